@@ -1,0 +1,31 @@
+"""Scalars are numpy arrays: ten thousand machines, or noise seeds, in one call."""
+
+from numpy import (
+    abs,
+    atan2,
+    cos,
+    exp,
+    expm1,
+    floor,
+    log,
+    logical_and,
+    logical_not,
+    logical_or,
+    maximum,
+    minimum,
+    ndim,
+    sin,
+    sqrt,
+    where,
+)
+
+from .. import tree
+
+__all__ = ["abs", "atan2", "cond", "cos", "exp", "expm1", "floor", "log", "logical_and", "logical_not"]
+__all__ += ["logical_or", "maximum", "minimum", "sin", "sqrt", "where"]
+
+
+def cond(condition, then, otherwise):
+    if ndim(condition) == 0:
+        return then() if condition else otherwise()
+    return tree.map(lambda x, y: where(condition, x, y), then(), otherwise())

@@ -1,0 +1,110 @@
+"""From a PMU frame to the signals the observers work with (Lemma 2 of the paper, corrected).
+
+As phasors, the frame gives the internal voltage E' = V + j x' I exactly: j E' = Y2 + j Y3 = e^{j x1} (x3 + j x4).
+What no single frame gives is how the angle of j E' divides between x1 and the angle of (x3, x4) (Lemma 1).
+"""
+
+from typing import Annotated, NamedTuple
+
+from .interface import Real, Scalar
+from .linear import Matrix
+from .machine import Constants
+
+LOWEST_VOLTAGE = 1e-3
+"""pu; a frame below it carries no usable angle."""
+
+LOWEST_Y1 = 1e-4
+"""pu^2; a machine in operation has an internal voltage of more than 0.01 pu."""
+
+
+class Frame(NamedTuple):
+    """A PMU frame at the generator terminal; both angles in one reference frame, P + jQ generated."""
+
+    V_t: Annotated[Scalar, Real("pu", "terminal voltage magnitude")] = 0.0
+    theta_t: Annotated[Scalar, Real("rad", "angle of the terminal voltage phasor")] = 0.0
+    I_t: Annotated[Scalar, Real("pu", "terminal current magnitude")] = 0.0
+    phi_t: Annotated[Scalar, Real("rad", "angle of the terminal current phasor, generator convention")] = 0.0
+    P_t: Annotated[Scalar, Real("pu", "generated active power")] = 0.0
+    Q_t: Annotated[Scalar, Real("pu", "generated reactive power")] = 0.0
+
+
+class Measurement(NamedTuple):
+    """What the equations use of a frame and of the machine's inputs. A Frame is redundant: phi is not used."""
+
+    theta: Scalar  # y1, rad
+    V: Scalar  # y2, pu
+    I: Scalar  # y4, pu  # noqa: E741 - the paper's name
+    P: Scalar  # y5, pu
+    Q: Scalar  # y6, pu
+    P_m: Scalar  # u1, pu
+    E_f: Scalar  # u2, pu
+
+
+class Signals(NamedTuple):
+    """Lemma 2: the measured signals at the time of a frame, next to the measurement they come from."""
+
+    measured: Measurement
+    Y1: Scalar  # |E'|^2, pu^2
+    Y2: Scalar  # Re j E', pu
+    Y3: Scalar  # Im j E', pu
+    A: Matrix  # 1/s: d/dt (x3, x4) = A (x3, x4) + (0, c1 E_f)
+
+
+def measurement(xp, frame: Frame, P_m, E_f, from_phasors) -> Measurement:
+    """P and Q from their own inputs, or from the phasors: P + jQ = V I e^{j (theta - phi)}."""
+    S = frame.V_t * frame.I_t
+    lag = frame.theta_t - frame.phi_t
+    return Measurement(
+        theta=frame.theta_t,
+        V=frame.V_t,
+        I=frame.I_t,
+        P=xp.where(from_phasors, S * xp.cos(lag), frame.P_t),
+        Q=xp.where(from_phasors, S * xp.sin(lag), frame.Q_t),
+        P_m=P_m,
+        E_f=E_f,
+    )
+
+
+def is_finite(xp, values):
+    """False if one of the scalars is a NaN, infinite or absurd: `|x| < limit` is false for NaN on every carrier."""
+    finite = xp.abs(values[0]) < 1e9
+    for value in values[1:]:
+        finite = xp.logical_and(finite, xp.abs(value) < 1e9)
+    return finite
+
+
+def behind_resistance(xp, m: Measurement, Ra) -> Measurement:
+    """The terminal moved behind the stator resistance: V + Ra I, P + Ra I^2; the machine there has Ra = 0."""
+    along = m.V + Ra * m.P / m.V  # V + Ra I in the frame of V, where I = (P - jQ)/V
+    across = -Ra * m.Q / m.V
+    return m._replace(
+        theta=m.theta + xp.atan2(across, along),
+        V=xp.sqrt(along * along + across * across),
+        P=m.P + Ra * m.I * m.I,
+    )
+
+
+def signals(xp, c: Constants, m: Measurement) -> Signals:
+    """Y1, Y2, Y3 and A of Lemma 2, with z0 = y6 + y2^2/x'.
+
+    Y1 = (x' y4)^2 + 2 x' y6 + y2^2, Y2 + j Y3 = j E' with E' = e^{j y1} (y2 + x' y6/y2 + j x' y5/y2),
+
+        A = [ -a2 + b2 x' z0/Y1     b2 x' y5/Y1      ]
+            [ -b1 x' y5/Y1         -a1 + b1 x' z0/Y1 ]
+
+    The preprint prints y2 cos(x1 - y1) = (x'/Y1)(z0 x3 - y5 x3); its matrix A is right.
+    """
+    Y1 = (c.x * m.I) * (c.x * m.I) + 2 * c.x * m.Q + m.V * m.V
+    Y1 = xp.maximum(Y1, LOWEST_Y1)  # a wild frame: see is_consistent
+    cos, sin = xp.cos(m.theta), xp.sin(m.theta)
+    along, across = m.V + c.x * m.Q / m.V, c.x * m.P / m.V
+    z0 = m.Q + m.V * m.V / c.x
+    same, cross = c.x * z0 / Y1, c.x * m.P / Y1
+    A = Matrix(-c.a2 + c.b2 * same, c.b2 * cross, -c.b1 * cross, -c.a1 + c.b1 * same)
+    return Signals(m, Y1, Y2=-(along * sin + across * cos), Y3=along * cos - across * sin, A=A)
+
+
+def is_consistent(xp, s: Signals):
+    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: such a frame contradicts itself."""
+    from_power = s.Y2 * s.Y2 + s.Y3 * s.Y3
+    return xp.logical_and(s.Y1 > LOWEST_Y1, xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1))

@@ -1,0 +1,1 @@
+"""What the observer is tried on, one plant a file."""

@@ -1,0 +1,90 @@
+"""I&I speed observer with a0 and b0 (damping and inertia) unknown: DREM on the swing equation.
+
+    p^2 x1 = -a0 p x1 + b0 (u1 - y5), filtered by F = lam^2/(p + lam)^2:  z = phi^T (a0, b0)
+    z = p^2 F[x1],  phi = (-p F[x1], F[u1 - y5]);  second regression: z and phi behind mu/(p + mu)
+
+F is driven by the rate of x1, constant over an interval, so that an offset of x1 leaves no transient. Works without
+noise and with Pm known; biased by noise. It is a mode for calibrating H and D on a clean record, not for operation.
+"""
+
+from typing import Annotated, NamedTuple
+
+from ..interface import Real, Scalar
+from ..linear import decay_mean
+from .immersion_invariance import mean_power
+
+
+class Parameters(NamedTuple):
+    gamma: Annotated[
+        Scalar, Real("1/s", "adaptation gain, per Delta^2", min=0.0, max=1e30, nominal=1e6, tunable=True)
+    ] = 1e6
+    lam: Annotated[Scalar, Real("1/s", "double pole lambda of the filter F", min=1e-3, max=1e4)] = 5.0
+    mu: Annotated[Scalar, Real("1/s", "pole of the second regression", min=1e-3, max=1e4)] = 1.0
+
+
+class Outputs(NamedTuple):
+    a0: Annotated[Scalar, Real("1/s", "estimate of a0 = D omega_s/(2H)")] = 0.0
+    b0: Annotated[Scalar, Real("rad/s2", "estimate of b0 = omega_s/(2H), per pu of power")] = 0.0
+
+
+class Cascade(NamedTuple):
+    """Two equal low-pass filters in a row, lam/(p + lam) each."""
+
+    first: Scalar = 0.0
+    second: Scalar = 0.0
+
+
+class Regression(NamedTuple):
+    """z = phi1 a0 + phi2 b0."""
+
+    z: Scalar = 0.0
+    phi1: Scalar = 0.0
+    phi2: Scalar = 0.0
+
+
+class State(NamedTuple):
+    rate: Cascade = Cascade()  # of x1', rad/s
+    power: Cascade = Cascade()  # of u1 - y5, pu
+    filtered: Regression = Regression()  # behind mu/(p + mu)
+    a0: Scalar = 0.0
+    b0: Scalar = 0.0
+
+
+def start(c) -> State:
+    """From the a0 and b0 of the machine's parameters."""
+    return State(a0=c.a0, b0=c.b0)
+
+
+def step(xp, p: Parameters, state: State, interval, turn) -> State:
+    h = interval.h
+    P_m = (interval.before.measured.P_m + interval.after.measured.P_m) / 2
+    w0 = regression(p.lam, state.rate, state.power)
+    rate = low_pass_twice(xp, p.lam * h, state.rate, turn / h)
+    power = low_pass_twice(xp, p.lam * h, state.power, P_m - mean_power(interval))
+    w1 = regression(p.lam, rate, power)
+    decay = xp.exp(-p.mu * h)
+    filtered = Regression(*[v * decay + (a + b) / 2 * (1 - decay) for v, a, b in zip(state.filtered, w0, w1)])
+
+    Delta = w1.phi1 * filtered.phi2 - w1.phi2 * filtered.phi1
+    calY1 = w1.z * filtered.phi2 - w1.phi2 * filtered.z
+    calY2 = w1.phi1 * filtered.z - w1.z * filtered.phi1
+    gain = p.gamma * h * Delta
+    move = gain * decay_mean(xp, gain * Delta)
+    a0 = state.a0 + move * (calY1 - Delta * state.a0)
+    b0 = state.b0 + move * (calY2 - Delta * state.b0)
+    return State(rate, power, filtered, a0, b0)
+
+
+def regression(lam, rate: Cascade, power: Cascade) -> Regression:
+    return Regression(z=lam * (rate.first - rate.second), phi1=-rate.second, phi2=power.second)
+
+
+def low_pass_twice(xp, z, v: Cascade, w) -> Cascade:
+    """The cascade over an interval of z = lam h, exactly for a constant input w."""
+    decay = xp.exp(-z)
+    first = v.first - w
+    return Cascade(w + decay * first, w + decay * (v.second - w + z * first))
+
+
+def outputs(state: State) -> Outputs:
+    return Outputs(state.a0, state.b0)

@@ -1,0 +1,40 @@
+"""States, parameters and outputs are trees: NamedTuples of scalars and of further NamedTuples."""
+
+from itertools import islice
+
+
+def leaves(tree):
+    """The scalars of a tree, in order."""
+    if not isinstance(tree, tuple):
+        return [tree]
+    return [leaf for branch in tree for leaf in leaves(branch)]
+
+
+def names(tree):
+    """The dotted name of every leaf, in the order of `leaves`: `gpebo.xi.x3`, ..."""
+    if not isinstance(tree, tuple):
+        return [""]
+    fields = getattr(tree, "_fields")
+    return [f"{field}.{name}".rstrip(".") for field, branch in zip(fields, tree) for name in names(branch)]
+
+
+def like(tree, scalars):
+    """A tree of the same shape with other leaves. Raises StopIteration if there are too few."""
+    return _like(tree, iter(scalars))
+
+
+def _like(tree, scalars):
+    if not isinstance(tree, tuple):
+        return next(scalars)
+    size = len(tree)
+    if not any(isinstance(branch, tuple) for branch in tree):
+        return type(tree)(*islice(scalars, size))
+    return type(tree)(*[_like(branch, scalars) for branch in tree])
+
+
+def map(function, *trees):
+    """`function` applied to the leaves of trees of one shape."""
+    first = trees[0]
+    if not isinstance(first, tuple):
+        return function(*trees)
+    return type(first)(*[map(function, *branches) for branches in zip(*trees)])
