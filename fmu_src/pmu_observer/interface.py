@@ -42,6 +42,16 @@ class Integer:
 
 
 @dataclass(frozen=True)
+class Boolean:
+    """True (1) or false (0)."""
+
+    description: str
+    tunable: bool = False
+    min = 0
+    max = 1
+
+
+@dataclass(frozen=True)
 class Enumeration:
     """One of `items`; its value is the number of the item, counted from 1, as in FMI 2.0."""
 
@@ -59,7 +69,7 @@ class Enumeration:
         return len(self.items)
 
 
-Specification = Union[Real, Integer, Enumeration]
+Specification = Union[Real, Integer, Boolean, Enumeration]
 
 
 class Variable(NamedTuple):
@@ -86,7 +96,9 @@ def _variables(branch, prefix):
         elif metadata:
             found.append(Variable(prefix + field, metadata[0], value))
         else:
-            raise TypeError(f"{type(branch).__name__}.{field} has no specification (Real, Integer or Enumeration)")
+            raise TypeError(
+                f"{type(branch).__name__}.{field} has no specification (Real, Integer, Boolean or Enumeration)"
+            )
     return found
 
 
@@ -94,6 +106,8 @@ def describe(specification: Specification) -> str:
     """The allowed values in words: `[0, 10] s`, `whole numbers from 1 to 5`, `drem (1), gradient (2)`."""
     if isinstance(specification, Enumeration):
         return ", ".join(f"{item} ({number})" for number, item in enumerate(specification.items, 1))
+    if isinstance(specification, Boolean):
+        return "false (0), true (1)"
     low = "-inf" if specification.min is None else f"{specification.min:g}"
     high = "inf" if specification.max is None else f"{specification.max:g}"
     if isinstance(specification, Integer):

@@ -1,0 +1,1 @@
+"""The Python FMU: any model as a pythonfmu slave."""

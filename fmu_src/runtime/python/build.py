@@ -1,0 +1,113 @@
+"""Building the Python FMU of a model: pythonfmu's binary, the slave, and the sources that the slave imports.
+
+pythonfmu FMUs share one interpreter and one sys.modules. Everything of an FMU is therefore one package whose name holds a
+hash of its content, with relative imports only: two FMUs never see each other's code, nor an installed one.
+"""
+
+import json
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Dict
+
+import pythonfmu
+
+from ..model import Model
+from ..modeldescription import model_description
+from ..package import content_hash, guid_of, write_fmu
+
+SOURCES = Path(__file__).resolve().parents[2]
+PYTHONFMU = Path(pythonfmu.__file__).parent
+
+CAPABILITIES = {"needsExecutionTool": "true", "canNotUseMemoryManagementFunctions": "true"}
+
+SLAVE = """\
+from .models.{module} import MODEL
+from .pythonfmu.fmi2slave import Fmi2Slave
+from .runtime.python import slave
+
+
+class {name}(slave.ModelSlave, Fmi2Slave):
+    model = MODEL
+    digest = "{digest}"
+
+    # pythonfmu's binary gives back a reference to this module's dict that it does not own, once an instance
+    module_dicts = [globals()]
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.module_dicts.append(globals())
+"""
+
+IMPORTED = """\
+import json, sys
+sys.dont_write_bytecode = True
+sys.path.insert(0, sys.argv[1])
+import slave
+files = [module.__file__ for name, module in sys.modules.items() if name.split(".")[0] == "slave"]
+print(json.dumps([file for file in files if file]))
+"""
+
+
+def build(model: Model, module: str, path: Path) -> bool:
+    """Write the Python FMU of the model declared in `fmu_src/models/<module>.py`; returns whether the file changed.
+
+    Raises RuntimeError if the slave does not import, for instance because it needs more than the standard library.
+    """
+    sources = imported_sources(model, module)
+    description = model_description(model, "", CAPABILITIES)
+    digest = content_hash({**sources, "modelDescription.xml": description})
+    package = f"slave_{model.name}_{digest}"
+
+    files = {f"resources/{package}/{name}": content for name, content in sources.items()}
+    files[f"resources/{package}/__init__.py"] = slave_source(model, module, digest)
+    files["resources/slavemodule.txt"] = f"{package}\n".encode()
+    files["modelDescription.xml"] = model_description(model, guid_of(digest), CAPABILITIES)
+    for binary in sorted((PYTHONFMU / "resources" / "binaries").glob("*/*")):
+        files[f"binaries/{binary.parent.name}/{model.name}{binary.suffix}"] = binary.read_bytes()
+    files["documentation/licenses/license.txt"] = (SOURCES.parent / "LICENSE").read_bytes()
+    files["documentation/licenses/pythonfmu.txt"] = pythonfmu_license()
+    return write_fmu(path, files)
+
+
+def pythonfmu_license() -> bytes:
+    found = [file for file in metadata.files("pythonfmu") or [] if file.name == "LICENSE"]
+    return Path(str(found[0].locate())).read_bytes()
+
+
+def slave_source(model: Model, module: str, digest: str) -> bytes:
+    return SLAVE.format(module=module, name=model.name, digest=digest).encode()
+
+
+def imported_sources(model: Model, module: str) -> Dict[str, bytes]:
+    """What the import of the slave loads, found by importing it in a fresh interpreter, and the data files beside it."""
+    with TemporaryDirectory() as folder:
+        staged = Path(folder).resolve() / "slave"
+        for name in ("models", "runtime", "pmu_observer"):
+            copy_tree(SOURCES / name, staged / name)
+        copy_tree(PYTHONFMU, staged / "pythonfmu")
+        # pythonfmu's own __init__ imports its builder, which the slave does not need
+        (staged / "pythonfmu" / "__init__.py").write_text("")
+        (staged / "__init__.py").write_bytes(slave_source(model, module, ""))
+        isolated = ["-I"] if model.requirements else ["-I", "-S"]  # -S: the standard library only
+        command = [sys.executable, *isolated, "-c", IMPORTED, folder]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
+        if result.returncode != 0:
+            raise RuntimeError(f"{model.name} cannot be imported as a slave:\n{result.stderr}")
+        imported = [Path(file).resolve() for file in json.loads(result.stdout)]
+        data = [file for folder in {file.parent for file in imported} for file in folder.glob("*.csv")]
+        return {
+            file.relative_to(staged).as_posix(): file.read_bytes()
+            for file in imported + data
+            if file != staged / "__init__.py"
+        }
+
+
+def copy_tree(source: Path, target: Path) -> None:
+    for file in source.rglob("*"):
+        if file.suffix in (".py", ".csv"):
+            copy = target / file.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(file.read_bytes())

@@ -1,0 +1,259 @@
+"""Any model as a pythonfmu slave, on Python floats.
+
+What pythonfmu leaves to the slave, or would turn into fmi2Fatal, is settled here: the call sequence, ranges, complete
+states, and that no exception escapes. Its wrapper cannot return fmi2Error: what is wrong is logged, and a step that cannot
+be done is discarded.
+"""
+
+import struct
+from math import isfinite
+from zlib import crc32
+
+from ...pmu_observer import tree
+from ...pmu_observer.carriers import floats
+from ...pmu_observer.interface import Boolean, Real, describe, range_errors
+from ..model import Model
+from ..ports import ports
+
+INSTANTIATED, INITIALIZATION, STEP, TERMINATED = range(4)
+PHASES = ("instantiated", "in initialization mode", "in step mode", "terminated")
+STATUS_DISCARD, STATUS_ERROR = 2, 3
+HEADER = struct.Struct("<8s32sBdII")  # magic, hash of the FMU, phase, time, numbers of values and of state leaves
+MAGIC = b"pmuobs01"
+CHECKSUM = struct.Struct("<I")
+
+
+class ModelSlave:
+    """Mixed with pythonfmu's Fmi2Slave into the class of one FMU, which names its `model` and its `digest`.
+
+    `values` holds every variable; the value reference is the index: inputs, then parameters, then outputs.
+    """
+
+    model: Model
+    digest: str
+
+    def __init_subclass__(cls, **kwargs):
+        super().__init_subclass__(**kwargs)
+        cls.ports = ports(cls.model)
+        cls.kinds = [kind_of(port.variable.specification) for port in cls.ports]
+        cls.starts = [port.variable.start for port in cls.ports]
+        cls.end_of_inputs = len(tree.leaves(cls.model.inputs))
+        cls.end_of_parameters = cls.end_of_inputs + len(tree.leaves(cls.model.parameters))
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.values = list(self.starts)
+        self.phase = INSTANTIATED
+        self.time = 0.0
+        self.state = None
+        self.program = None
+        self.parameters = self.model.parameters
+        self.refused = []
+        self.outdated = True  # the outputs, in initialization mode
+
+    # Getting and setting -------------------------------------------------------------------------------------------
+
+    def get_real(self, references):
+        return self._get("Real", references)
+
+    def get_integer(self, references):
+        return [int(value) for value in self._get("Integer", references)]
+
+    def get_boolean(self, references):
+        return [bool(value) for value in self._get("Boolean", references)]
+
+    def get_string(self, references):
+        return [str(value) for value in self._get("String", references)]
+
+    def set_real(self, references, values):
+        self._set("Real", references, values)
+
+    def set_integer(self, references, values):
+        self._set("Integer", references, values)
+
+    def set_boolean(self, references, values):
+        self._set("Boolean", references, values)
+
+    def set_string(self, references, values):
+        self._set("String", references, values)
+
+    def _get(self, kind, references):
+        if self.phase == INITIALIZATION and self.outdated:
+            self._start()
+        return [self.values[i] if self._has(kind, i) else 0 for i in references]
+
+    def _set(self, kind, references, values):
+        for i, value in zip(references, values):
+            if self._has(kind, i) and self._may_set(i, value):
+                self.values[i] = value
+                self.outdated = True
+                if i >= self.end_of_inputs and self.phase == STEP:
+                    self._read_parameters()
+
+    def _has(self, kind, i):
+        if 0 <= i < len(self.kinds) and self.kinds[i] == kind:
+            return True
+        self._error(f"there is no {kind} variable with value reference {i}")
+        return False
+
+    def _may_set(self, i, value):
+        if i < self.end_of_inputs and self.phase != TERMINATED:
+            return True
+        (name, specification, _), causality, variability = self.ports[i]
+        if causality == "output" or self.phase == TERMINATED or (self.phase == STEP and variability == "fixed"):
+            self._error(f"{name} ({variability} {causality}) cannot be set while the slave is {PHASES[self.phase]}")
+            return False
+        low, high = specification.min, specification.max
+        if self.phase == STEP and not (
+            isfinite(value) and (low is None or value >= low) and (high is None or value <= high)
+        ):
+            self._error(f"{name} = {value:.17g} is not allowed, and ignored; it must be in {describe(specification)}")
+            return False
+        return True
+
+    # The call sequence ---------------------------------------------------------------------------------------------
+
+    def setup_experiment(self, start_time, stop_time=None, tolerance=None):
+        self.time = start_time
+
+    def enter_initialization_mode(self):
+        if self._expect(INSTANTIATED, "fmi2EnterInitializationMode"):
+            self.phase = INITIALIZATION
+
+    def exit_initialization_mode(self):
+        if self._expect(INITIALIZATION, "fmi2ExitInitializationMode"):
+            self._start()
+            self.phase = STEP
+            for message in self.refused:
+                self._error(message)
+
+    def do_step(self, time, step_size):
+        if not self._expect(STEP, "fmi2DoStep"):
+            return False
+        if self.refused:
+            return self._discard(f"the step is not done, because {'; '.join(self.refused)}")
+        if not 0 < step_size < float("inf"):
+            return self._discard(f"communicationStepSize = {step_size:.17g} s is not allowed; it must be above 0 s")
+        if not abs(time - self.time) <= 1e-9 * max(1.0, abs(time), step_size):
+            return self._discard(
+                f"currentCommunicationPoint = {time:.17g} s is not where the last step ended, at {self.time:.17g} s"
+            )
+        try:
+            state, outputs = self._advance(time, step_size)
+        except (ArithmeticError, ValueError) as error:
+            return self._discard(f"the step is not done: {error}; {self._input_values()}")
+        outputs = tree.leaves(outputs)
+        if not (isfinite(sum(outputs)) and isfinite(sum(tree.leaves(state)))):
+            return self._discard(f"the step is not done: its result is not finite; {self._input_values()}")
+        self.state = state
+        self.values[self.end_of_parameters :] = outputs
+        self.time = time + step_size
+        return True
+
+    def terminate(self):
+        self.phase = TERMINATED
+
+    def _expect(self, phase, function):
+        if self.phase == phase:
+            return True
+        self._error(f"{function} is not allowed while the slave is {PHASES[self.phase]}")
+        return False
+
+    # The model -----------------------------------------------------------------------------------------------------
+
+    def _inputs(self):
+        return tree.like(self.model.inputs, self.values[: self.end_of_inputs])
+
+    def _input_values(self):
+        named = zip(self.ports[: self.end_of_inputs], self.values)
+        return "inputs " + ", ".join(f"{port.variable.name} = {value:.9g}" for port, value in named)
+
+    def _read_parameters(self):
+        leaves = self.values[self.end_of_inputs : self.end_of_parameters]
+        self.parameters = tree.like(self.model.parameters, leaves)
+
+    def _start(self):
+        """State and outputs at the start, or the reasons why there are none."""
+        self._read_parameters()
+        self.refused = range_errors(self.model.parameters, self.parameters)
+        self.outdated = False
+        if self.refused:
+            return
+        try:
+            self.refused = self.model.errors(floats, self.parameters, self._inputs())
+            if self.refused:
+                return
+            self.program = self.model.program(self.parameters)
+            self.state, outputs = self.program.start(floats, self.parameters, self._inputs(), self.time)
+        except (ArithmeticError, ValueError) as error:
+            self.refused = [f"there is no start: {error}; {self._input_values()}"]
+            return
+        outputs = tree.leaves(outputs)
+        if isfinite(sum(outputs)):
+            self.values[self.end_of_parameters :] = outputs
+        else:
+            self.refused = [f"there is no start: its outputs are not finite; {self._input_values()}"]
+
+    def _advance(self, time, step_size):
+        steps = max(1, -int(-step_size // self.model.max_step))
+        h = step_size / steps
+        inputs = self._inputs()
+        state, outputs = self.state, None
+        for i in range(steps):
+            state, outputs = self.program.step(floats, self.parameters, state, inputs, time + i * h, h)
+        return state, outputs
+
+    # The state: its bytes are its serialized form too ----------------------------------------------------------------
+
+    def _get_fmu_state(self):
+        leaves = [] if self.state is None else tree.leaves(self.state)
+        header = HEADER.pack(MAGIC, self.digest.encode(), self.phase, self.time, len(self.values), len(leaves))
+        content = header + struct.pack(f"<{len(self.values) + len(leaves)}d", *self.values, *leaves)
+        return content + CHECKSUM.pack(crc32(content))
+
+    def _set_fmu_state(self, state):
+        content, checksum = state[: -CHECKSUM.size], state[-CHECKSUM.size :]
+        if len(state) < HEADER.size or checksum != CHECKSUM.pack(crc32(content)):
+            return self._error("the FMU state is damaged, and ignored")
+        magic, digest, phase, time, size, state_size = HEADER.unpack_from(content)
+        if magic != MAGIC or digest != self.digest.encode() or size != len(self.values):
+            return self._error("the FMU state is that of another FMU, and ignored")
+        numbers = struct.unpack_from(f"<{size + state_size}d", content, HEADER.size)
+        self.values = [int(v) if kind == "Integer" else v for v, kind in zip(numbers, self.kinds)]
+        self.outdated = True
+        self.state = None
+        if state_size:
+            self._read_parameters()
+            self.refused = []
+            self.program = self.model.program(self.parameters)
+            shape, _ = self.program.start(floats, self.parameters, self.model.inputs, time)
+            self.state = tree.like(shape, numbers[size:])
+            self.outdated = False
+        self.phase, self.time = phase, time
+
+    @staticmethod
+    def _fmu_state_to_bytes(state):
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state):
+        return state
+
+    # Messages ------------------------------------------------------------------------------------------------------
+
+    def _error(self, message):
+        self._log(message, STATUS_ERROR, "logStatusError")
+
+    def _discard(self, message):
+        self._log(message, STATUS_DISCARD, "logStatusDiscard")
+        return False
+
+    def _log(self, message, status, category):
+        # C hosts take the message for a printf format
+        self.log(message.replace("%", "%%"), status, category)
+
+
+def kind_of(specification):
+    if isinstance(specification, Real):
+        return "Real"
+    return "Boolean" if isinstance(specification, Boolean) else "Integer"
