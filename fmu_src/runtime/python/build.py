@@ -24,9 +24,9 @@ PYTHONFMU = Path(pythonfmu.__file__).parent
 CAPABILITIES = {"needsExecutionTool": "true", "canNotUseMemoryManagementFunctions": "true"}
 
 SLAVE = """\
-from .models.{module} import MODEL
-from .pythonfmu.fmi2slave import Fmi2Slave
-from .runtime.python import slave
+from {package}.models.{module} import MODEL
+from {package}.pythonfmu.fmi2slave import Fmi2Slave
+from {package}.runtime.python import slave
 
 
 class {name}(slave.ModelSlave, Fmi2Slave):
@@ -40,13 +40,14 @@ class {name}(slave.ModelSlave, Fmi2Slave):
         super().__init__(**kwargs)
         self.module_dicts.append(globals())
 """
+# a single file beside its package: pythonfmu's binary imports it, and runs it once more to find the class
 
 IMPORTED = """\
 import json, sys
 sys.dont_write_bytecode = True
 sys.path.insert(0, sys.argv[1])
 import slave
-files = [module.__file__ for name, module in sys.modules.items() if name.split(".")[0] == "slave"]
+files = [module.__file__ for name, module in sys.modules.items() if name.split(".")[0] == "staged"]
 print(json.dumps([file for file in files if file]))
 """
 
@@ -59,11 +60,11 @@ def build(model: Model, module: str, path: Path) -> bool:
     sources = imported_sources(model, module)
     description = model_description(model, "", CAPABILITIES)
     digest = content_hash({**sources, "modelDescription.xml": description})
-    package = f"slave_{model.name}_{digest}"
+    package, slave = f"{model.name}_{digest}", f"slave_{model.name}_{digest}"
 
     files = {f"resources/{package}/{name}": content for name, content in sources.items()}
-    files[f"resources/{package}/__init__.py"] = slave_source(model, module, digest)
-    files["resources/slavemodule.txt"] = f"{package}\n".encode()
+    files[f"resources/{slave}.py"] = slave_source(model, module, package, digest)
+    files["resources/slavemodule.txt"] = f"{slave}\n".encode()
     files["modelDescription.xml"] = model_description(model, guid_of(digest), CAPABILITIES)
     for binary in sorted((PYTHONFMU / "resources" / "binaries").glob("*/*")):
         files[f"binaries/{binary.parent.name}/{model.name}{binary.suffix}"] = binary.read_bytes()
@@ -77,32 +78,30 @@ def pythonfmu_license() -> bytes:
     return Path(str(found[0].locate())).read_bytes()
 
 
-def slave_source(model: Model, module: str, digest: str) -> bytes:
-    return SLAVE.format(module=module, name=model.name, digest=digest).encode()
+def slave_source(model: Model, module: str, package: str, digest: str) -> bytes:
+    return SLAVE.format(package=package, module=module, name=model.name, digest=digest).encode()
 
 
 def imported_sources(model: Model, module: str) -> Dict[str, bytes]:
     """What the import of the slave loads, found by importing it in a fresh interpreter, and the data files beside it."""
-    with TemporaryDirectory() as folder:
-        staged = Path(folder).resolve() / "slave"
-        for name in ("models", "runtime", "pmu_observer"):
-            copy_tree(SOURCES / name, staged / name)
+    with TemporaryDirectory() as name:
+        folder = Path(name).resolve()
+        staged = folder / "staged"
+        for part in ("models", "runtime", "pmu_observer"):
+            copy_tree(SOURCES / part, staged / part)
         copy_tree(PYTHONFMU, staged / "pythonfmu")
         # pythonfmu's own __init__ imports its builder, which the slave does not need
         (staged / "pythonfmu" / "__init__.py").write_text("")
-        (staged / "__init__.py").write_bytes(slave_source(model, module, ""))
+        (staged / "__init__.py").write_text("")
+        (folder / "slave.py").write_bytes(slave_source(model, module, "staged", ""))
         isolated = ["-I"] if model.requirements else ["-I", "-S"]  # -S: the standard library only
-        command = [sys.executable, *isolated, "-c", IMPORTED, folder]
+        command = [sys.executable, *isolated, "-c", IMPORTED, str(folder)]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
             raise RuntimeError(f"{model.name} cannot be imported as a slave:\n{result.stderr}")
         imported = [Path(file).resolve() for file in json.loads(result.stdout)]
-        data = [file for folder in {file.parent for file in imported} for file in folder.glob("*.csv")]
-        return {
-            file.relative_to(staged).as_posix(): file.read_bytes()
-            for file in imported + data
-            if file != staged / "__init__.py"
-        }
+        data = [file for place in {file.parent for file in imported} for file in place.glob("*.csv")]
+        return {file.relative_to(staged).as_posix(): file.read_bytes() for file in imported + data}
 
 
 def copy_tree(source: Path, target: Path) -> None:
