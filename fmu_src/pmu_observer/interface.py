@@ -123,5 +123,5 @@ def range_errors(defaults: tuple, values: tuple) -> List[str]:
         inside = abs(value) < float("inf")  # false for NaN
         inside = inside and (low is None or value >= low) and (high is None or value <= high)
         if not inside:
-            messages.append(f"{name} = {value:.17g} is not allowed; it must be in {describe(specification)}")
+            messages.append(f"{name} = {value!r} is not allowed; it must be in {describe(specification)}")
     return messages

@@ -107,7 +107,7 @@ class ModelSlave:
         if self.phase == STEP and not (
             isfinite(value) and (low is None or value >= low) and (high is None or value <= high)
         ):
-            self._error(f"{name} = {value:.17g} is not allowed, and ignored; it must be in {describe(specification)}")
+            self._error(f"{name} = {value!r} is not allowed, and ignored; it must be in {describe(specification)}")
             return False
         return True
 
@@ -133,10 +133,10 @@ class ModelSlave:
         if self.refused:
             return self._discard(f"the step is not done, because {'; '.join(self.refused)}")
         if not 0 < step_size < float("inf"):
-            return self._discard(f"communicationStepSize = {step_size:.17g} s is not allowed; it must be above 0 s")
+            return self._discard(f"communicationStepSize = {step_size!r} s is not allowed; it must be above 0 s")
         if not abs(time - self.time) <= 1e-9 * max(1.0, abs(time), step_size):
             return self._discard(
-                f"currentCommunicationPoint = {time:.17g} s is not where the last step ended, at {self.time:.17g} s"
+                f"currentCommunicationPoint = {time!r} s is not where the last step ended, at {self.time!r} s"
             )
         try:
             state, outputs = self._advance(time, step_size)

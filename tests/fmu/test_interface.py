@@ -1,0 +1,103 @@
+"""The FMUs as an importer sees them: files, variables, units. The contract of names is written out, not computed."""
+
+import re
+import zipfile
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+FRAME = ["V_t", "theta_t", "I_t", "phi_t", "P_t", "Q_t"]
+MACHINE = ["H", "D", "xd", "xd1", "xq", "xq1", "Td10", "Tq10", "Ra", "omega_s"]
+STATES = ["delta", "load_angle", "omega", "e1d", "e1q"]
+
+CONTRACT = {
+    "PmuObserver": {
+        "input": [*FRAME, "P_m", "E_f"],
+        "parameter": [
+            *MACHINE,
+            *("estimator", "drem.gamma", "drem.d2", "drem.d3", "drem.d4", "drem.d5"),
+            *("overparameterised.Gamma", "gradient.Gamma", "k_speed", "frame_period", "power_source"),
+        ],
+        "output": [
+            *STATES,
+            *("drem.theta1", "drem.theta2", "drem.Delta", "drem.int_Delta2", "status"),
+            *(f"overparameterised.Theta{i}" for i in range(1, 6)),
+        ],
+    },
+    "SmibPlant": {
+        "input": ["P_m", "E_f", "V_inf", "theta_inf", "f_inf"],
+        "parameter": [
+            *MACHINE,
+            *("x_line", "delta_start", "omega_start", "e1d_start", "e1q_start", "start_mode", "V_t_start"),
+            *("t_fault", "t_clear", "x_fault"),
+        ],
+        "output": [*FRAME, *STATES],
+    },
+}
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_fmpy_finds_no_problem(dist, name):
+    assert validate_fmu(str(dist / "python" / f"{name}.fmu")) == []
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_names_of_the_contract(dist, name):
+    description = read_model_description(dist / "python" / f"{name}.fmu")
+    for causality, names in CONTRACT[name].items():
+        declared = {v.name for v in description.modelVariables if v.causality == causality}
+        assert set(names) <= declared
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_every_real_has_a_unit_or_is_a_number(dist, name):
+    description = read_model_description(dist / "python" / f"{name}.fmu")
+    without = {v.name for v in description.modelVariables if v.type == "Real" and v.unit is None}
+    expected = {v for v in without if v.startswith("overparameterised.") or v == "drem.Delta"}
+    assert without == expected
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_every_variable_is_described(dist, name):
+    description = read_model_description(dist / "python" / f"{name}.fmu")
+    assert [v.name for v in description.modelVariables if not v.description] == []
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_structure(dist, name):
+    """Every output is an initial unknown, and none depends on an input of its own instant (it changes in doStep only)."""
+    description = read_model_description(dist / "python" / f"{name}.fmu")
+    outputs = {v.name for v in description.modelVariables if v.causality == "output"}
+    assert {unknown.variable.name for unknown in description.outputs} == outputs
+    assert all(unknown.dependencies == [] for unknown in description.outputs)
+    assert {unknown.variable.name for unknown in description.initialUnknowns} == outputs
+
+
+def test_inputs_of_the_observer_are_discrete(dist):
+    """Else `fmpy simulate --input-file` interpolates between frames."""
+    description = read_model_description(dist / "python" / "PmuObserver.fmu")
+    assert {v.variability for v in description.modelVariables if v.causality == "input"} == {"discrete"}
+
+
+def test_the_estimator_enumeration_starts_as_agreed(dist):
+    description = read_model_description(dist / "python" / "PmuObserver.fmu")
+    estimator = next(v for v in description.modelVariables if v.name == "estimator")
+    items = [item.name for item in estimator.declaredType.items]
+    assert items[:5] == ["drem", "overparameterised", "gradient", "joint_gradient", "open_loop"]
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_start_values_read_back_as_the_same_number(dist, name):
+    """17 digits: 1/60 has no shorter decimal form."""
+    with zipfile.ZipFile(dist / "python" / f"{name}.fmu") as fmu:
+        xml = fmu.read("modelDescription.xml").decode()
+    step_size = re.search(r'stepSize="([^"]*)"', xml)
+    assert step_size and float(step_size[1]) == {"PmuObserver": 1 / 60, "SmibPlant": 1e-3}[name]
+
+
+@pytest.mark.parametrize("name", CONTRACT)
+def test_licences_travel_with_the_fmu(dist, name):
+    with zipfile.ZipFile(dist / "python" / f"{name}.fmu") as fmu:
+        assert b"MIT License" in fmu.read("documentation/licenses/license.txt")
+        assert fmu.read("documentation/licenses/pythonfmu.txt")
