@@ -14,7 +14,7 @@ MODEL = Model(
     outputs=observer.Outputs(),
     programs={name: Program(partial(observer.start, name), partial(observer.step, name)) for name in ESTIMATORS},
     selector="estimator",
-    errors=lambda xp, parameters, inputs: observer.parameter_errors(parameters),
+    rules=observer.rules,
     input_variability="discrete",
     step_size=1 / 60,
 )

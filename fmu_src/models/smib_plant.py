@@ -10,7 +10,7 @@ MODEL = Model(
     parameters=smib.Parameters(),
     outputs=smib.Outputs(),
     programs={"smib": Program(smib.start, smib.step)},
-    errors=smib.errors,
+    rules=smib.rules,
     max_step=smib.MAX_STEP,
     step_size=1e-3,
 )

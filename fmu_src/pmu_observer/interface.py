@@ -7,8 +7,9 @@
 table are all made from that list.
 """
 
+import re
 from dataclasses import dataclass
-from typing import Any, List, NamedTuple, Optional, Tuple, Union, get_type_hints
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple, Union, get_type_hints
 
 from .tree import leaves
 
@@ -100,6 +101,20 @@ def _variables(branch, prefix):
                 f"{type(branch).__name__}.{field} has no specification (Real, Integer, Boolean or Enumeration)"
             )
     return found
+
+
+class Rule(NamedTuple):
+    """What must hold of values that are each in range; `{name}` in the message stands for that variable's value."""
+
+    holds: Scalar
+    message: str
+
+
+def broken(rules: List[Rule], values: Dict[str, float]) -> List[str]:
+    """The messages of the rules that do not hold, with the values of the variables they name."""
+    return [
+        re.sub(r"{(.*?)}", lambda name: f"{values[name[1]]:.17g}", rule.message) for rule in rules if not rule.holds
+    ]
 
 
 def describe(specification: Specification) -> str:

@@ -11,7 +11,7 @@ x2 is the deviation from synchronous speed. Bobtsov et al. (2020), eq. (1)-(3); 
 from math import pi
 from typing import Annotated, List, NamedTuple
 
-from .interface import Real, Scalar
+from .interface import Real, Rule, Scalar
 
 
 class TwoAxisMachine(NamedTuple):
@@ -81,11 +81,9 @@ def constants(machine: TwoAxisMachine) -> Constants:
     )
 
 
-def reactance_errors(machine: TwoAxisMachine) -> List[str]:
-    """A message for every transient reactance above its synchronous one: no machine is so, and A would be unstable."""
-    pairs = (("xd1", machine.xd1, "xd", machine.xd), ("xq1", machine.xq1, "xq", machine.xq))
+def reactance_rules(machine: TwoAxisMachine) -> List[Rule]:
+    """No transient reactance is above its synchronous one: no machine is so, and A would be unstable."""
     return [
-        f"{name} = {value:.17g} is not allowed; it must be in (0, {other} = {bound:.17g}] pu"
-        for name, value, other, bound in pairs
-        if value > bound
+        Rule(machine.xd1 <= machine.xd, "xd1 = {xd1} is not allowed; it must be in (0, xd = {xd}] pu"),
+        Rule(machine.xq1 <= machine.xq, "xq1 = {xq1} is not allowed; it must be in (0, xq = {xq}] pu"),
     ]

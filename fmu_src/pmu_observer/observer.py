@@ -12,9 +12,9 @@ from typing import Annotated, Any, List, NamedTuple
 from . import tree
 from .angle import unwrap
 from .estimators import ESTIMATORS
-from .interface import INLINE, Enumeration, Integer, Real, Scalar
+from .interface import INLINE, Enumeration, Integer, Real, Rule, Scalar
 from .linear import Vector, decay_mean, propagate, propagation
-from .machine import Constants, TwoAxisMachine, constants, reactance_errors
+from .machine import Constants, TwoAxisMachine, constants, reactance_rules
 from .phasors import (
     LOWEST_VOLTAGE,
     Frame,
@@ -100,12 +100,11 @@ class State(NamedTuple):
     adaptive: adaptive_ii.State
 
 
-def parameter_errors(p: Parameters) -> List[str]:
-    """Messages for parameters that are each in range but do not go together."""
-    errors = reactance_errors(p.machine)
-    if p.speed_observer == 2 and p.mechanical_power == 2:
-        errors.append("mechanical_power = 2 (estimated) is not allowed with speed_observer = 2 (adaptive); use 1")
-    return errors
+def rules(xp, p: Parameters, inputs: Inputs) -> List[Rule]:
+    """What must hold of parameters that are each in range."""
+    one_unknown = xp.logical_or(p.speed_observer == 1, p.mechanical_power == 1)
+    together = "mechanical_power = 2 (estimated) is not allowed with speed_observer = 2 (adaptive); use 1"
+    return [*reactance_rules(p.machine), Rule(one_unknown, together)]
 
 
 def start(name: str, xp, p: Parameters, inputs: Inputs, t):

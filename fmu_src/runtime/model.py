@@ -3,6 +3,8 @@
 from math import inf
 from typing import Any, Callable, Dict, List, NamedTuple, Tuple
 
+from ..pmu_observer.interface import Rule
+
 Tree = Any
 """A NamedTuple of scalars and of further NamedTuples: see `pmu_observer.tree`."""
 
@@ -18,7 +20,7 @@ class Program(NamedTuple):
     step: Callable[..., Tuple[Tree, Tree]]
 
 
-def no_errors(xp, parameters, inputs) -> List[str]:
+def no_rules(xp, parameters, inputs) -> List[Rule]:
     return []
 
 
@@ -33,8 +35,8 @@ class Model(NamedTuple):
     programs: Dict[str, Program]
     """One program, or one for each item of the enumeration parameter named by `selector`."""
     selector: str = ""
-    errors: Callable[..., List[str]] = no_errors
-    """errors(xp, parameters, inputs): messages for values that are each in range but do not go together."""
+    rules: Callable[..., List[Rule]] = no_rules
+    """rules(xp, parameters, inputs): what must hold at the start of values that are each in range."""
     input_variability: str = "continuous"
     """`discrete` for frames, which must not be interpolated."""
     max_step: float = inf

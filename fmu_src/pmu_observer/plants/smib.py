@@ -14,8 +14,8 @@ from math import pi
 from typing import Annotated, List, NamedTuple
 
 from ..angle import unwrap
-from ..interface import INLINE, Enumeration, Real, Scalar
-from ..machine import TwoAxisMachine, constants, reactance_errors
+from ..interface import INLINE, Enumeration, Real, Rule, Scalar
+from ..machine import TwoAxisMachine, constants, reactance_rules
 from ..phasors import Frame
 
 STATES, P_M_E_F, P_M_V_T = 1, 2, 3
@@ -226,21 +226,23 @@ def from_terminal_voltage(xp, p: Parameters, inputs: Inputs):
     return rotor, e1q + (m.xd - m.xd1) * Id
 
 
-def errors(xp, p: Parameters, inputs: Inputs) -> List[str]:
-    """Messages for parameters that are each in range but do not go together, and for an equilibrium that does not exist."""
-    found = reactance_errors(p.machine)
-    if p.t_clear < p.t_fault:
-        found.append(f"t_clear = {p.t_clear:.17g} is not allowed; it must be in [t_fault = {p.t_fault:.17g}, inf] s")
-    if p.start_mode == P_M_V_T and p.x_line <= 0:
-        found.append("x_line = 0 is not allowed with start_mode = 3 (P_m_V_t); it must be above 0 pu")
-    elif p.start_mode != STATES:
-        rotor, E_f = from_terminal_voltage(xp, p, inputs)
-        if p.start_mode == P_M_E_F:
-            rotor, E_f = from_field_voltage(xp, p, inputs), inputs.E_f
-        rates = derivative(xp, p, thevenin(p, inputs, False), inputs._replace(E_f=E_f), rotor)
-        if not max(abs(rate) for rate in rates) < 1e-6:
-            found.append(
-                f"P_m = {inputs.P_m:.17g} is not allowed with start_mode = {p.start_mode:.0f}: there is no equilibrium; "
-                "lower P_m, or raise E_f, V_t_start or V_inf"
-            )
-    return found
+def rules(xp, p: Parameters, inputs: Inputs) -> List[Rule]:
+    """What must hold of parameters that are each in range; the start from an equilibrium needs one that exists."""
+    by_voltage = p.start_mode == P_M_V_T
+    has_line = xp.logical_or(p.start_mode != P_M_V_T, p.x_line > 0)
+    voltage, E_f = from_terminal_voltage(xp, p, inputs)
+    field = from_field_voltage(xp, p, inputs)
+    rotor = Rotor(*[xp.where(by_voltage, v, f) for v, f in zip(voltage, field)])
+    driven = inputs._replace(E_f=xp.where(by_voltage, E_f, inputs.E_f))
+    rates = derivative(xp, p, thevenin(p, inputs, False), driven, rotor)
+    at_rest = sum(xp.abs(rate) for rate in rates) < 1e-6
+    return [
+        *reactance_rules(p.machine),
+        Rule(p.t_clear >= p.t_fault, "t_clear = {t_clear} is not allowed; it must be in [t_fault = {t_fault}, inf] s"),
+        Rule(has_line, "x_line = {x_line} is not allowed with start_mode = 3 (P_m_V_t); it must be above 0 pu"),
+        Rule(
+            xp.logical_or(p.start_mode == STATES, xp.logical_or(xp.logical_not(has_line), at_rest)),
+            "P_m = {P_m} is not allowed with start_mode = {start_mode}: there is no equilibrium; "
+            "lower P_m, or raise E_f, V_t_start or V_inf",
+        ),
+    ]

@@ -6,12 +6,12 @@ be done is discarded.
 """
 
 import struct
-from math import isfinite
+from math import ceil, isfinite
 from zlib import crc32
 
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import floats
-from ...pmu_observer.interface import Boolean, Real, describe, range_errors
+from ...pmu_observer.interface import Boolean, Real, broken, describe, range_errors
 from ..model import Model
 from ..ports import ports
 
@@ -180,7 +180,8 @@ class ModelSlave:
         if self.refused:
             return
         try:
-            self.refused = self.model.errors(floats, self.parameters, self._inputs())
+            rules = self.model.rules(floats, self.parameters, self._inputs())
+            self.refused = broken(rules, {port.variable.name: value for port, value in zip(self.ports, self.values)})
             if self.refused:
                 return
             self.program = self.model.program(self.parameters)
@@ -195,7 +196,7 @@ class ModelSlave:
             self.refused = [f"there is no start: its outputs are not finite; {self._input_values()}"]
 
     def _advance(self, time, step_size):
-        steps = max(1, -int(-step_size // self.model.max_step))
+        steps = max(1, ceil(step_size / self.model.max_step - 1e-9))
         h = step_size / steps
         inputs = self._inputs()
         state, outputs = self.state, None
