@@ -21,7 +21,7 @@ def all_models() -> dict[str, tuple[str, Model]]:
 
 
 def build(name: str, out: Path = OUT) -> Path:
-    """Build `out/python/<name>.fmu` if it is missing or stale, and return its path. Raises KeyError for an unknown name."""
+    """Build `out/python/<name>.fmu` if it is missing or stale; return its path. Raises KeyError for an unknown name."""
     module, model = all_models()[name]
     path = Path(out) / "python" / f"{name}.fmu"
     python_fmu.build(model, module, path)

@@ -113,7 +113,7 @@ class Rule(NamedTuple):
 def broken(rules: List[Rule], values: Dict[str, float]) -> List[str]:
     """The messages of the rules that do not hold, with the values of the variables they name."""
     return [
-        re.sub(r"{(.*?)}", lambda name: f"{values[name[1]]:.17g}", rule.message) for rule in rules if not rule.holds
+        re.sub(r"{(.*?)}", lambda name: f"{values[name[1]]:.12g}", rule.message) for rule in rules if not rule.holds
     ]
 
 
@@ -138,5 +138,5 @@ def range_errors(defaults: tuple, values: tuple) -> List[str]:
         inside = abs(value) < float("inf")  # false for NaN
         inside = inside and (low is None or value >= low) and (high is None or value <= high)
         if not inside:
-            messages.append(f"{name} = {value!r} is not allowed; it must be in {describe(specification)}")
+            messages.append(f"{name} = {value:.12g} is not allowed; it must be in {describe(specification)}")
     return messages

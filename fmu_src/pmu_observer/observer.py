@@ -1,12 +1,11 @@
 """Proposition 2, put together and sampled: frames in, x-hat out.
 
-On a step from t to t + h the inputs are the frame at t. A frame that is due closes the interval since the frame before it:
+On a step from t to t + h the inputs are the frame at t. A frame that is due closes the interval since the frame before:
 the estimator and the speed observer move to t, and the outputs predict from there to t + h with the frame held. A frame
 that cannot be used is replaced by the last good one, turned on at the estimated speed.
 """
 
 from collections import namedtuple
-from math import pi
 from typing import Annotated, Any, List, NamedTuple
 
 from . import tree
@@ -108,7 +107,7 @@ def rules(xp, p: Parameters, inputs: Inputs) -> List[Rule]:
 
 
 def start(name: str, xp, p: Parameters, inputs: Inputs, t):
-    """State and outputs at initialisation: the outputs already show the frame at t, which the first step brings again."""
+    """State and outputs at initialisation: the outputs show the frame at t, which the first step brings again."""
     c = constants(p.machine)
     some = signals(xp, c, Measurement(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0))  # an open generator: only its shape matters
     state = State(
@@ -127,7 +126,7 @@ def start(name: str, xp, p: Parameters, inputs: Inputs, t):
 
 
 def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h):
-    """One communication step from t to t + h with the estimator called `name`; returns the state and the outputs at t + h."""
+    """A communication step from t to t + h with the estimator called `name`: the state and the outputs at t + h."""
     c = constants(p.machine)
     usable, s = read(xp, p, c, state, inputs)
     started = state.started > 0
@@ -142,7 +141,7 @@ def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h):
 
 
 def read(xp, p: Parameters, c: Constants, state: State, inputs: Inputs):
-    """Is the frame usable, and its signals: those of the last good frame, turned on at the estimated speed, if it is not."""
+    """Is the frame usable, and its signals: if it is not, the last good one's, turned on at the estimated speed."""
     finite = xp.logical_and(is_finite(xp, tree.leaves(inputs)), inputs.frame.V_t > LOWEST_VOLTAGE)
     safe = tree.map(lambda value: xp.where(finite, value, 1.0), inputs)  # math.cos(inf) raises
     m = measurement(xp, safe.frame, safe.P_m, safe.E_f, p.power_source == 2)
@@ -192,7 +191,7 @@ def close(name, xp, p, c, state: State, s: Signals, usable) -> State:
 def predict(name, xp, p: Parameters, c: Constants, state: State) -> Outputs:
     """The outputs `elapsed` after the last frame, with its measurement and its load angle held.
 
-    omega' = -a0 omega + b0 (Pm - P) and delta' = omega go on, except while frames are held over: then omega is constant.
+    omega' = -a0 omega + b0 (Pm - P) and delta' = omega go on; while frames are held over, omega is constant.
     """
     m, h = state.signals.measured, state.elapsed
     forcing = c.c1 * m.E_f

@@ -105,6 +105,6 @@ def signals(xp, c: Constants, m: Measurement) -> Signals:
 
 
 def is_consistent(xp, s: Signals):
-    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: such a frame contradicts itself."""
+    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: the frame contradicts itself."""
     from_power = s.Y2 * s.Y2 + s.Y3 * s.Y3
     return xp.logical_and(s.Y1 > LOWEST_Y1, xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1))

@@ -22,7 +22,7 @@ def interval(xp, c: Constants, before: Signals, after: Signals, h) -> Interval:
 
 
 def half_steps(xp, correct, propagate, interval: Interval, state):
-    """Strang splitting: a correction over h/2 at the frame before, the propagation, a correction over h/2 at the frame after.
+    """Strang splitting: half a correction at the frame before, the propagation, half a correction at the frame after.
 
     `correct(state, signals, h)` solves the correction exactly for frozen signals and is its own adjoint, so that the
     whole is second order in h and no gain is ever stiff.

@@ -2,8 +2,8 @@
 
     x1' = x2,   x2' = -a0 x2 + b0 (u1 - y5),   x3' = -a1 x3 + b1 V cos(x1 - theta) + c1 u2,   x = (delta, omega, E'q)
 
-The rotor has no q-axis winding: this is the two-axis machine with xq = x'q = x'd, whose E'd decays to 0. Then E' lies on
-the q axis and one frame is enough for (x1, x3); the frame of Proposition 1 is (V, P, Q, I), with Y = 1/x'.
+The rotor has no q-axis winding: this is the two-axis machine with xq = x'q = x'd, whose E'd decays to 0. Then E' lies
+on the q axis and one frame is enough for (x1, x3); the frame of Proposition 1 is (V, P, Q, I), with Y = 1/x'.
 """
 
 from typing import Annotated, NamedTuple

@@ -1,24 +1,25 @@
 """States, parameters and outputs are trees: NamedTuples of scalars and of further NamedTuples."""
 
 from itertools import islice
+from typing import Any, Iterable, List
 
 
-def leaves(tree):
+def leaves(tree: Any) -> List[Any]:
     """The scalars of a tree, in order."""
     if not isinstance(tree, tuple):
         return [tree]
     return [leaf for branch in tree for leaf in leaves(branch)]
 
 
-def names(tree):
-    """The dotted name of every leaf, in the order of `leaves`: `gpebo.xi.x3`, ..."""
+def names(tree: Any) -> List[str]:
+    """The dotted name of every leaf, in the order of `leaves`: `gpebo.xi.d`, ...; a plain tuple counts from 0"""
     if not isinstance(tree, tuple):
         return [""]
-    fields = getattr(tree, "_fields")
+    fields = getattr(tree, "_fields", range(len(tree)))
     return [f"{field}.{name}".rstrip(".") for field, branch in zip(fields, tree) for name in names(branch)]
 
 
-def like(tree, scalars):
+def like(tree: Any, scalars: Iterable[Any]) -> Any:
     """A tree of the same shape with other leaves. Raises StopIteration if there are too few."""
     return _like(tree, iter(scalars))
 
@@ -32,7 +33,7 @@ def _like(tree, scalars):
     return type(tree)(*[_like(branch, scalars) for branch in tree])
 
 
-def map(function, *trees):
+def map(function, *trees: Any) -> Any:
     """`function` applied to the leaves of trees of one shape."""
     first = trees[0]
     if not isinstance(first, tuple):

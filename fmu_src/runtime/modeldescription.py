@@ -135,10 +135,10 @@ def scalar_variable(parent: Element, reference: int, port: Port) -> None:
 
 
 def model_structure(root: Element, all_ports: List[Port]) -> None:
-    """Outputs change in doStep only, so none depends on an input of its own instant; initially they depend on everything."""
+    """Outputs change in doStep only: none depends on an input of its own instant. Initially they depend on all."""
     structure = SubElement(root, "ModelStructure")
     outputs = [str(index) for index, port in enumerate(all_ports, 1) if port.causality == "output"]
-    for kind, attributes in (("Outputs", {"dependencies": ""}), ("InitialUnknowns", {})):
-        unknowns = SubElement(structure, kind)
-        for index in outputs:
-            SubElement(unknowns, "Unknown", index=index, **attributes)
+    in_step_mode, initially = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    for index in outputs:
+        SubElement(in_step_mode, "Unknown", index=index, dependencies="")
+        SubElement(initially, "Unknown", index=index)

@@ -27,6 +27,7 @@ class Instance:
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.messages: list[str] = []
         self.folder = extract(path)
+        assert self.description.coSimulation
         self.slave = FMU2Slave(
             guid=self.description.guid,
             unzipDirectory=self.folder,

@@ -1,4 +1,4 @@
-"""Python FMUs share one interpreter: each must run its own code, and leave nothing behind that a collection trips over."""
+"""Python FMUs share one interpreter: each must run its own code, and survive garbage collections."""
 
 import shutil
 import subprocess

@@ -29,11 +29,12 @@ def run(plant, observer, first, last):
 
 
 def test_rolling_back_repeats_to_the_bit(pair):
+    plant, observer = pair
     states = [instance.slave.getFMUState() for instance in pair]
-    once = run(*pair, 60, 90)
+    once = run(plant, observer, 60, 90)
     for instance, state in zip(pair, states, strict=True):
         instance.slave.setFMUState(state)
-    assert run(*pair, 60, 90) == once
+    assert run(plant, observer, 60, 90) == once
 
 
 def test_a_serialized_state_continues_in_another_instance(dist, pair):
@@ -76,7 +77,7 @@ def test_the_state_of_another_fmu_is_refused(pair):
 
 
 def test_reset_is_a_new_instance(dist, pair):
-    plant, observer = pair
+    _, observer = pair
     observer.slave.reset()
     fresh = Instance(dist / "python" / "PmuObserver.fmu", "fresh")
     assert observer.outputs() == fresh.outputs()

@@ -4,8 +4,8 @@
     calY_k = det Psi with column k replaced by Y_E (the preprint says row)
     theta_k' = -gamma Delta (Delta theta_k - calY_k),  k = 1, 2
 
-Delta is small (1e-7 in the paper's own example), so that gamma has to be huge, and noise above 1e-5 of a phasor is enough
-to spoil the estimate: this is the method of the paper, not one for measured data.
+Delta is small (1e-7 in the paper's own example), so that gamma has to be huge, and noise above 1e-5 of a phasor is
+enough to spoil the estimate: this is the method of the paper, not one for measured data.
 """
 
 from typing import Annotated, NamedTuple
@@ -84,7 +84,7 @@ def step(xp, p, c, state, interval):
     advanced = gpebo.advance(state.gpebo, interval.flow)
     w1 = row(gpebo.regression(advanced, interval.after.Y1))
     rows = [low_pass(xp, d * h, v, w0, w1) for d, v in zip(p[1:], state.filtered)]
-    mixed = mix([w1] + rows)
+    mixed = mix([w1, *rows])
 
     # theta' = -rate theta + drive, exactly for the mean rate and drive of the interval: no gamma is ever stiff
     before = state.mixed
@@ -103,7 +103,7 @@ def step(xp, p, c, state, interval):
 
 
 def row(regression):
-    return Row(*regression.psi, regression.y_E)
+    return Row(*regression.psi, y_E=regression.y_E)
 
 
 def low_pass(xp, dh, v, w0, w1):
@@ -116,8 +116,8 @@ def low_pass(xp, dh, v, w0, w1):
 def mix(rows) -> Mixed:
     """Delta, calY1 and calY2 from the five rows of [Psi, Y_E].
 
-    The three determinants share columns 3 to 5: Laplace expansion along the first two columns, with the 3x3 minors of the
-    others. A minor's sign is that of the row pair it belongs to.
+    The three determinants share columns 3 to 5: Laplace expansion along the first two columns, with the 3x3 minors of
+    the others. A minor's sign is that of the row pair it belongs to.
     """
     c1, c2, c3, c4, c5, y = zip(*rows)
     Delta = calY1 = calY2 = 0.0

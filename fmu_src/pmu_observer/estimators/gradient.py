@@ -41,7 +41,7 @@ def step(xp, p, c, state, interval):
 
 
 def pull(xp, x: Vector, Y1, gain) -> Vector:
-    """x' = (Y1 - |x|^2) x over `gain`, 1/pu^2, in closed form: |x|^2 follows the logistic equation, x keeps its direction."""
+    """x' = (Y1 - |x|^2) x over `gain`, 1/pu^2, in closed form: |x|^2 is logistic, and x keeps its direction."""
     square = dot(x, x)
     decay = xp.maximum(xp.exp(-2 * gain * Y1), 1e-30)  # no division by zero for |x| = 0 and a high gain
     scale = xp.sqrt(Y1 / (square * (1 - decay) + Y1 * decay))

@@ -13,7 +13,6 @@ bus into their Thevenin equivalent.
 from math import pi
 from typing import Annotated, List, NamedTuple
 
-from ..angle import unwrap
 from ..interface import INLINE, Enumeration, Real, Rule, Scalar
 from ..machine import TwoAxisMachine, constants, reactance_rules
 from ..phasors import Frame
@@ -110,12 +109,12 @@ def step(xp, p: Parameters, state: State, inputs: Inputs, t, h):
     clear = xp.minimum(xp.maximum(p.t_clear, fault), end)
     healthy, faulted = thevenin(p, inputs, False), thevenin(p, inputs, True)
     for grid, duration in ((healthy, fault - t), (faulted, clear - fault), (healthy, end - clear)):
-        state = xp.cond(duration > 0, lambda: integrate(xp, p, grid, inputs, state, duration), lambda: state)
+        state = integrate(xp, p, grid, inputs, state, duration)
     return state, outputs(xp, p, state, inputs, end)
 
 
 def integrate(xp, p, grid: Grid, inputs: Inputs, state: State, h) -> State:
-    """Runge-Kutta of order 4."""
+    """Runge-Kutta of order 4; an empty interval changes nothing."""
 
     def slope(rotor):
         return derivative(xp, p, grid, inputs, rotor)
@@ -123,12 +122,15 @@ def integrate(xp, p, grid: Grid, inputs: Inputs, state: State, h) -> State:
     def moved(k, duration):
         return Rotor(*[x + duration * dx for x, dx in zip(state.rotor, k)])
 
-    k1 = slope(state.rotor)
-    k2 = slope(moved(k1, h / 2))
-    k3 = slope(moved(k2, h / 2))
-    k4 = slope(moved(k3, h))
-    mean = Rotor(*[(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4)])
-    return state._replace(rotor=moved(mean, h), grid=state.grid + h * grid.omega)
+    def moved_by_mean():
+        k1 = slope(state.rotor)
+        k2 = slope(moved(k1, h / 2))
+        k3 = slope(moved(k2, h / 2))
+        k4 = slope(moved(k3, h))
+        mean = Rotor(*[(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4)])
+        return state._replace(rotor=moved(mean, h), grid=state.grid + h * grid.omega)
+
+    return xp.cond(h > 0, moved_by_mean, lambda: state)
 
 
 def derivative(xp, p: Parameters, grid: Grid, inputs: Inputs, rotor: Rotor) -> Rotor:
@@ -205,7 +207,8 @@ def from_field_voltage(xp, p: Parameters, inputs: Inputs) -> Rotor:
 def from_terminal_voltage(xp, p: Parameters, inputs: Inputs):
     """The equilibrium for (P_m, V_t_start), and the E_f that it needs; x_line > 0.
 
-    P = V_t V sin(theta)/x_line, by fixed-point iteration on the stator's losses; the q axis is along V_t + (Ra + j xq) I.
+    P = V_t V sin(theta)/x_line, by fixed-point iteration on the stator's losses; the q axis is along
+    V_t + (Ra + j xq) I.
     """
     m, V, V_t = p.machine, inputs.V_inf, p.V_t_start
     X = xp.maximum(p.x_line, 1e-9)  # x_line = 0 is refused where this start is asked for

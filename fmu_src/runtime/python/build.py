@@ -1,7 +1,7 @@
 """Building the Python FMU of a model: pythonfmu's binary, the slave, and the sources that the slave imports.
 
-pythonfmu FMUs share one interpreter and one sys.modules. Everything of an FMU is therefore one package whose name holds a
-hash of its content, with relative imports only: two FMUs never see each other's code, nor an installed one.
+pythonfmu FMUs share one interpreter and one sys.modules. Everything of an FMU is therefore one package whose name holds
+a hash of its content, with relative imports only: two FMUs never see each other's code, nor an installed one.
 """
 
 import json
@@ -83,7 +83,7 @@ def slave_source(model: Model, module: str, package: str, digest: str) -> bytes:
 
 
 def imported_sources(model: Model, module: str) -> Dict[str, bytes]:
-    """What the import of the slave loads, found by importing it in a fresh interpreter, and the data files beside it."""
+    """What the import of the slave loads, found by doing so in a fresh interpreter, and the data files beside it."""
     with TemporaryDirectory() as name:
         folder = Path(name).resolve()
         staged = folder / "staged"

@@ -1,18 +1,21 @@
 """Any model as a pythonfmu slave, on Python floats.
 
 What pythonfmu leaves to the slave, or would turn into fmi2Fatal, is settled here: the call sequence, ranges, complete
-states, and that no exception escapes. Its wrapper cannot return fmi2Error: what is wrong is logged, and a step that cannot
-be done is discarded.
+states, and that no exception escapes. Its wrapper cannot return fmi2Error: what is wrong is logged, and a step that
+cannot be done is discarded.
 """
+
+from __future__ import annotations
 
 import struct
 from math import ceil, isfinite
+from typing import Any, Callable
 from zlib import crc32
 
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import floats
 from ...pmu_observer.interface import Boolean, Real, broken, describe, range_errors
-from ..model import Model
+from ..model import Model, Program
 from ..ports import ports
 
 INSTANTIATED, INITIALIZATION, STEP, TERMINATED = range(4)
@@ -31,6 +34,7 @@ class ModelSlave:
 
     model: Model
     digest: str
+    log: Callable[..., None]  # of Fmi2Slave
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)
@@ -42,13 +46,13 @@ class ModelSlave:
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        self.values = list(self.starts)
+        self.values: list[Any] = list(self.starts)
         self.phase = INSTANTIATED
         self.time = 0.0
-        self.state = None
-        self.program = None
+        self.state: Any = None
+        self.program: Program = next(iter(self.model.programs.values()))
         self.parameters = self.model.parameters
-        self.refused = []
+        self.refused: list[str] = []
         self.outdated = True  # the outputs, in initialization mode
 
     # Getting and setting -------------------------------------------------------------------------------------------
@@ -107,7 +111,7 @@ class ModelSlave:
         if self.phase == STEP and not (
             isfinite(value) and (low is None or value >= low) and (high is None or value <= high)
         ):
-            self._error(f"{name} = {value!r} is not allowed, and ignored; it must be in {describe(specification)}")
+            self._error(f"{name} = {value:.12g} is not allowed, and ignored; it must be in {describe(specification)}")
             return False
         return True
 
@@ -133,10 +137,10 @@ class ModelSlave:
         if self.refused:
             return self._discard(f"the step is not done, because {'; '.join(self.refused)}")
         if not 0 < step_size < float("inf"):
-            return self._discard(f"communicationStepSize = {step_size!r} s is not allowed; it must be above 0 s")
+            return self._discard(f"communicationStepSize = {step_size:.12g} s is not allowed; it must be above 0 s")
         if not abs(time - self.time) <= 1e-9 * max(1.0, abs(time), step_size):
             return self._discard(
-                f"currentCommunicationPoint = {time!r} s is not where the last step ended, at {self.time!r} s"
+                f"currentCommunicationPoint = {time:.12g} s is not where the last step ended, at {self.time:.12g} s"
             )
         try:
             state, outputs = self._advance(time, step_size)
