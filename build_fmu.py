@@ -7,10 +7,12 @@ import sys
 from pathlib import Path
 
 from fmu_src import models
+from fmu_src.runtime import readme
 from fmu_src.runtime.model import Model
 from fmu_src.runtime.python import build as python_fmu
 
 OUT = Path("dist")
+README = Path(__file__).parent / "README.md"
 
 
 def all_models() -> dict[str, tuple[str, Model]]:
@@ -36,7 +38,12 @@ def main() -> int:
     )
     parser.add_argument("--only", metavar="NAME", choices=names, help=f"build one FMU: {', '.join(names)}")
     parser.add_argument("--out", metavar="DIR", type=Path, default=OUT, help="where to write (default: %(default)s)")
+    parser.add_argument("--readme", action="store_true", help="write the interface tables into README.md instead")
     arguments = parser.parse_args()
+    if arguments.readme:
+        changed = readme.update(README, [model for _, model in all_models().values()])
+        print(f"{README}  {'updated' if changed else 'is up to date'}")
+        return 0
     for name in [arguments.only] if arguments.only else names:
         path = build(name, arguments.out)
         print(f"{path}  {path.stat().st_size / 1000:.0f} kB")

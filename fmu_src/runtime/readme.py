@@ -1,0 +1,53 @@
+"""The README's interface tables, written from the same list of variables as the FMUs."""
+
+from pathlib import Path
+from typing import List
+
+from ..pmu_observer.interface import Boolean, Enumeration, Integer, Real, describe
+from .model import Model
+from .ports import Port, ports
+
+
+def interface_table(model: Model) -> str:
+    """A Markdown table of the model's variables: name, kind, start, unit or range, meaning."""
+    rows = ["| variable | causality | start | unit, range | meaning |", "|---|---|---|---|---|"]
+    rows += [row(port) for port in ports(model)]
+    return "\n".join(rows)
+
+
+def row(port: Port) -> str:
+    (name, specification, start), causality, variability = port
+    tunable = " (tunable)" if variability == "tunable" else ""
+    shown = "" if causality == "output" else start_value(specification, start)
+    cells = (f"`{name}`", causality + tunable, shown, allowed(specification), specification.description)
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def start_value(specification, start) -> str:
+    if isinstance(specification, Enumeration):
+        return specification.items[int(start) - 1]
+    if isinstance(specification, Boolean):
+        return "true" if start else "false"
+    return f"{start:.6g}"
+
+
+def allowed(specification) -> str:
+    if isinstance(specification, Real) and specification.min is None and specification.max is None:
+        return specification.unit
+    if isinstance(specification, (Integer, Boolean)):
+        return type(specification).__name__
+    return describe(specification)
+
+
+def update(path: Path, models: List[Model]) -> bool:
+    """Replace the tables between their markers in the file; returns whether it changed. ValueError without markers."""
+    text = before = path.read_text(encoding="utf-8")
+    for model in models:
+        begin, end = f"<!-- interface of {model.name}: begin -->\n", f"<!-- interface of {model.name}: end -->"
+        if begin not in text or end not in text:
+            raise ValueError(f"{path} has no markers for the interface of {model.name}:\n{begin}{end}")
+        head, rest = text.split(begin)
+        text = f"{head}{begin}{interface_table(model)}\n{end}{rest.split(end)[1]}"
+    if text != before:
+        path.write_text(text, encoding="utf-8")
+    return text != before
