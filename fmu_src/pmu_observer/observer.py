@@ -180,10 +180,11 @@ def close(name, xp, p, c, state: State, s: Signals, usable) -> State:
     calibrated = xp.cond(
         calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, span, turn), lambda: state.adaptive
     )
+    a0, b0 = (state.adaptive.a0 + calibrated.a0) / 2, (state.adaptive.b0 + calibrated.b0) / 2
     speed = xp.cond(
         p.mechanical_power == 2,
         lambda: immersion_invariance.step_unknown(xp, state.speed, c.a0, c.b0, p.k_speed, span, turn),
-        lambda: immersion_invariance.step_known(xp, state.speed, calibrated.a0, calibrated.b0, p.k_speed, span, turn),
+        lambda: immersion_invariance.step_known(xp, state.speed, a0, b0, p.k_speed, span, turn),
     )
     return State(1.0, xp.where(usable, 0.0, 1.0), 0.0, s, moved, delta, x, speed, calibrated)
 
