@@ -186,6 +186,9 @@ def close(name, xp, p, c, state: State, s: Signals, usable) -> State:
         lambda: immersion_invariance.step_unknown(xp, state.speed, c.a0, c.b0, p.k_speed, span, turn),
         lambda: immersion_invariance.step_known(xp, state.speed, a0, b0, p.k_speed, span, turn),
     )
+    credible = is_finite(xp, (1e6 * speed.omega,))  # below 1000 rad/s, and likewise
+    speed = xp.cond(credible, lambda: speed, lambda: immersion_invariance.start(s.measured.P_m))
+    calibrated = xp.cond(credible, lambda: calibrated, lambda: adaptive_ii.start(c))
     return State(1.0, xp.where(usable, 0.0, 1.0), 0.0, s, moved, delta, x, speed, calibrated)
 
 

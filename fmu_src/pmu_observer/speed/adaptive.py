@@ -83,8 +83,9 @@ def step(xp, p: Parameters, state: State, interval, turn) -> State:
     gain = p.gamma * (before.Delta * before.Delta + after.Delta * after.Delta) / 2
     drive1 = p.gamma * (before.Delta * before.calY1 + after.Delta * after.calY1) / 2
     drive2 = p.gamma * (before.Delta * before.calY2 + after.Delta * after.calY2) / 2
-    a0 = relax(xp, state.a0, gain, drive1, h)
-    b0 = relax(xp, state.b0, gain, drive2, h)
+    # damping and inertia are not negative; noise can drive their estimates there, and the observer out of stability
+    a0 = xp.maximum(relax(xp, state.a0, gain, drive1, h), 0.0)
+    b0 = xp.maximum(relax(xp, state.b0, gain, drive2, h), 0.0)
     return State(rate, power, filtered, after, a0, b0)
 
 
