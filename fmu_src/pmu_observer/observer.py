@@ -203,13 +203,13 @@ def predict(name, xp, p: Parameters, c: Constants, state: State) -> Outputs:
     a0, b0 = state.adaptive.a0, state.adaptive.b0
     acceleration = xp.where(state.held > 0, 0.0, b0 * (state.speed.P_m - m.P) - a0 * state.speed.omega)
     change = h * decay_mean(xp, a0 * h) * acceleration
-    load_angle = unwrap(xp, state.delta - m.theta, 0.0)
+    terminal = behind_resistance(xp, m, -p.machine.Ra)
 
     # behind x'd the estimator sees E'd + (x'q - x'd) Iq: exact in steady state
-    Iq = (m.P * xp.cos(load_angle) - m.Q * xp.sin(load_angle)) / m.V
+    Iq = (m.P * xp.cos(state.delta - m.theta) - m.Q * xp.sin(state.delta - m.theta)) / m.V
     outputs = Outputs(
         delta=state.delta + h * (state.speed.omega + change / 2),
-        load_angle=load_angle,
+        load_angle=unwrap(xp, state.delta - terminal.theta, 0.0),
         omega=state.speed.omega + change,
         e1d=x.d - (p.machine.xq1 - p.machine.xd1) * Iq,
         e1q=x.q,

@@ -74,12 +74,15 @@ def is_finite(xp, values):
 
 
 def behind_resistance(xp, m: Measurement, Ra) -> Measurement:
-    """The terminal moved behind the stator resistance: V + Ra I, P + Ra I^2; the machine there has Ra = 0."""
+    """The terminal moved behind the stator resistance: V + Ra I, P + Ra I^2; the machine there has Ra = 0.
+
+    -Ra moves it back.
+    """
     along = m.V + Ra * m.P / m.V  # V + Ra I in the frame of V, where I = (P - jQ)/V
     across = -Ra * m.Q / m.V
     return m._replace(
         theta=m.theta + xp.atan2(across, along),
-        V=xp.sqrt(along * along + across * across),
+        V=xp.maximum(xp.sqrt(along * along + across * across), LOWEST_VOLTAGE),  # a wild frame: see is_consistent
         P=m.P + Ra * m.I * m.I,
     )
 
