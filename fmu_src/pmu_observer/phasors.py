@@ -16,6 +16,9 @@ LOWEST_VOLTAGE = 1e-3
 LOWEST_Y1 = 1e-4
 """pu^2; a machine in operation has an internal voltage of more than 0.01 pu."""
 
+HIGHEST_Y1 = 1e2
+"""pu^2; and of less than 10 pu."""
+
 
 class Frame(NamedTuple):
     """A PMU frame at the generator terminal; both angles in one reference frame, P + jQ generated."""
@@ -108,6 +111,10 @@ def signals(xp, c: Constants, m: Measurement) -> Signals:
 
 
 def is_consistent(xp, s: Signals):
-    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: the frame contradicts itself."""
+    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: the frame contradicts itself.
+
+    False too where no machine has such an internal voltage.
+    """
     from_power = s.Y2 * s.Y2 + s.Y3 * s.Y3
-    return xp.logical_and(s.Y1 > LOWEST_Y1, xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1))
+    plausible = xp.logical_and(s.Y1 > LOWEST_Y1, s.Y1 < HIGHEST_Y1)
+    return xp.logical_and(plausible, xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1))
