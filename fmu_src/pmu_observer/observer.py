@@ -176,7 +176,7 @@ def close(name, xp, p, c, state: State, s: Signals, usable) -> State:
     delta, x = estimator.estimate(xp, moved, s, near)
 
     turn = unwrap(xp, delta - state.delta, state.speed.omega * state.elapsed)
-    calibrating = p.speed_observer == 2
+    calibrating = xp.logical_and(usable, p.speed_observer == 2)
     calibrated = xp.cond(
         calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, span, turn), lambda: state.adaptive
     )
@@ -186,6 +186,7 @@ def close(name, xp, p, c, state: State, s: Signals, usable) -> State:
         lambda: immersion_invariance.step_unknown(xp, state.speed, c.a0, c.b0, p.k_speed, span, turn),
         lambda: immersion_invariance.step_known(xp, state.speed, a0, b0, p.k_speed, span, turn),
     )
+    speed = xp.cond(usable, lambda: speed, lambda: state.speed)  # a held P drives no swing
     credible = is_finite(xp, (1e6 * speed.omega,))  # below 1000 rad/s, and likewise
     speed = xp.cond(credible, lambda: speed, lambda: immersion_invariance.start(s.measured.P_m))
     calibrated = xp.cond(credible, lambda: calibrated, lambda: adaptive_ii.start(c))
