@@ -17,9 +17,10 @@ def rotor_angle(xp, s: Signals, x: Vector, near) -> Estimate:
     """x1 = atan2(x3 Y3 - x4 Y2, x3 Y2 + x4 Y3), rad: the angle of (Y2, Y3) less that of (x3, x4).
 
     Of all x1 + 2 k pi, the one nearest to `near`. The paper's arcsin fails beyond +-pi/2, which an absolute angle
-    leaves in 12.5 s at 20 mHz.
+    leaves in 12.5 s at 20 mHz. An estimate of zero has no angle: E_f drives it along q, so that q is its limit.
     """
-    x1 = xp.atan2(x.d * s.Y3 - x.q * s.Y2, x.d * s.Y2 + x.q * s.Y3)
+    q = xp.where(xp.logical_and(x.d == 0, x.q == 0), 1.0, x.q)
+    x1 = xp.atan2(x.d * s.Y3 - q * s.Y2, x.d * s.Y2 + q * s.Y3)
     return Estimate(unwrap(xp, x1, near), x)
 
 

@@ -84,6 +84,11 @@ def decay_mean(xp, rate_h):
     return -xp.expm1(-z) / z
 
 
+def relax(xp, v, rate, drive, h):
+    """v' = drive - rate v over an interval of length h, exactly for a constant drive and a constant rate >= 0."""
+    return v + h * decay_mean(xp, rate * h) * (drive - rate * v)
+
+
 class Propagation(NamedTuple):
     """(x3, x4)(t) = F (x3, x4)(t-) + g over one interval."""
 

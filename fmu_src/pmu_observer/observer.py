@@ -176,15 +176,20 @@ def close(name, xp, p, c, state: State, s: Signals, usable) -> State:
     delta, x = estimator.estimate(xp, moved, s, near)
 
     turn = unwrap(xp, delta - state.delta, state.speed.omega * state.elapsed)
-    calibrating = p.speed_observer == 2
+    calibrating = xp.logical_and(usable, p.speed_observer == 2)
     calibrated = xp.cond(
         calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, span, turn), lambda: state.adaptive
     )
+    a0, b0 = (state.adaptive.a0 + calibrated.a0) / 2, (state.adaptive.b0 + calibrated.b0) / 2
     speed = xp.cond(
         p.mechanical_power == 2,
         lambda: immersion_invariance.step_unknown(xp, state.speed, c.a0, c.b0, p.k_speed, span, turn),
-        lambda: immersion_invariance.step_known(xp, state.speed, calibrated.a0, calibrated.b0, p.k_speed, span, turn),
+        lambda: immersion_invariance.step_known(xp, state.speed, a0, b0, p.k_speed, span, turn),
     )
+    speed = xp.cond(usable, lambda: speed, lambda: state.speed)  # a held P drives no swing
+    credible = is_finite(xp, (1e6 * speed.omega,))  # below 1000 rad/s, and likewise
+    speed = xp.cond(credible, lambda: speed, lambda: immersion_invariance.start(s.measured.P_m))
+    calibrated = xp.cond(credible, lambda: calibrated, lambda: adaptive_ii.start(c))
     return State(1.0, xp.where(usable, 0.0, 1.0), 0.0, s, moved, delta, x, speed, calibrated)
 
 
@@ -199,13 +204,13 @@ def predict(name, xp, p: Parameters, c: Constants, state: State) -> Outputs:
     a0, b0 = state.adaptive.a0, state.adaptive.b0
     acceleration = xp.where(state.held > 0, 0.0, b0 * (state.speed.P_m - m.P) - a0 * state.speed.omega)
     change = h * decay_mean(xp, a0 * h) * acceleration
-    load_angle = unwrap(xp, state.delta - m.theta, 0.0)
+    terminal = behind_resistance(xp, m, -p.machine.Ra)
 
     # behind x'd the estimator sees E'd + (x'q - x'd) Iq: exact in steady state
-    Iq = (m.P * xp.cos(load_angle) - m.Q * xp.sin(load_angle)) / m.V
+    Iq = (m.P * xp.cos(state.delta - m.theta) - m.Q * xp.sin(state.delta - m.theta)) / m.V
     outputs = Outputs(
         delta=state.delta + h * (state.speed.omega + change / 2),
-        load_angle=load_angle,
+        load_angle=unwrap(xp, state.delta - terminal.theta, 0.0),
         omega=state.speed.omega + change,
         e1d=x.d - (p.machine.xq1 - p.machine.xd1) * Iq,
         e1q=x.q,

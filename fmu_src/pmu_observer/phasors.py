@@ -16,6 +16,9 @@ LOWEST_VOLTAGE = 1e-3
 LOWEST_Y1 = 1e-4
 """pu^2; a machine in operation has an internal voltage of more than 0.01 pu."""
 
+HIGHEST_Y1 = 1e2
+"""pu^2; and of less than 10 pu."""
+
 
 class Frame(NamedTuple):
     """A PMU frame at the generator terminal; both angles in one reference frame, P + jQ generated."""
@@ -74,12 +77,15 @@ def is_finite(xp, values):
 
 
 def behind_resistance(xp, m: Measurement, Ra) -> Measurement:
-    """The terminal moved behind the stator resistance: V + Ra I, P + Ra I^2; the machine there has Ra = 0."""
+    """The terminal moved behind the stator resistance: V + Ra I, P + Ra I^2; the machine there has Ra = 0.
+
+    -Ra moves it back.
+    """
     along = m.V + Ra * m.P / m.V  # V + Ra I in the frame of V, where I = (P - jQ)/V
     across = -Ra * m.Q / m.V
     return m._replace(
         theta=m.theta + xp.atan2(across, along),
-        V=xp.sqrt(along * along + across * across),
+        V=xp.maximum(xp.sqrt(along * along + across * across), LOWEST_VOLTAGE),  # a wild frame: see is_consistent
         P=m.P + Ra * m.I * m.I,
     )
 
@@ -105,6 +111,10 @@ def signals(xp, c: Constants, m: Measurement) -> Signals:
 
 
 def is_consistent(xp, s: Signals):
-    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: the frame contradicts itself."""
+    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: the frame contradicts itself.
+
+    False too where no machine has such an internal voltage.
+    """
     from_power = s.Y2 * s.Y2 + s.Y3 * s.Y3
-    return xp.logical_and(s.Y1 > LOWEST_Y1, xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1))
+    plausible = xp.logical_and(s.Y1 > LOWEST_Y1, s.Y1 < HIGHEST_Y1)
+    return xp.logical_and(plausible, xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1))

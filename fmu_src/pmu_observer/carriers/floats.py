@@ -1,11 +1,15 @@
 """Scalars are Python floats: the standard library only, for the Python FMU."""
 
-from math import atan2, cos, exp, expm1, floor, log, sin, sqrt
+from math import atan2, cos, exp, expm1, log, sin, sqrt
 
 __all__ = ["abs", "atan2", "cond", "cos", "exp", "expm1", "floor", "log", "logical_and", "logical_not"]
 __all__ += ["logical_or", "maximum", "minimum", "sin", "sqrt", "where"]
 
 abs = abs
+
+
+def floor(x):
+    return x // 1.0  # math.floor raises for NaN and inf
 
 
 def where(condition, x, y):

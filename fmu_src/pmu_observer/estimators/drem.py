@@ -14,7 +14,7 @@ from .. import gpebo
 from ..angle import rotor_angle
 from ..gpebo import Gpebo
 from ..interface import Real, Scalar
-from ..linear import Vector, decay_mean
+from ..linear import Vector, decay_mean, relax
 
 
 def pole(name):
@@ -93,7 +93,7 @@ def step(xp, p, c, state, interval):
 
     def adapt(theta, calY0, calY1):
         drive = p.gamma * (before.Delta * calY0 + mixed.Delta * calY1) / 2
-        return theta + h * decay_mean(xp, rate * h) * (drive - rate * theta)
+        return relax(xp, theta, rate, drive, h)
 
     theta = Vector(
         adapt(state.theta.d, before.calY1, mixed.calY1),

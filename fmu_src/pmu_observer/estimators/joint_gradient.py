@@ -11,7 +11,7 @@ x2 is the speed that x1 turns with: the I&I observer of the paper on this estima
 from math import pi
 from typing import Annotated, NamedTuple
 
-from ..angle import Estimate
+from ..angle import Estimate, unwrap
 from ..interface import Real, Scalar
 from ..linear import Vector, decay_mean, dot, propagate
 from ..sampling import half_steps
@@ -89,7 +89,7 @@ def turn(xp, x, x1, s, gain):
 
 
 def estimate(xp, state, s, near):
-    return Estimate(state.x1, state.x)
+    return Estimate(unwrap(xp, state.x1, near), state.x)
 
 
 def outputs(xp, state):

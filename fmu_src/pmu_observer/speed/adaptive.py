@@ -10,7 +10,7 @@ noise and with Pm known; biased by noise. It is a mode for calibrating H and D o
 from typing import Annotated, NamedTuple
 
 from ..interface import Real, Scalar
-from ..linear import decay_mean
+from ..linear import relax
 from .immersion_invariance import mean_power
 
 
@@ -42,10 +42,19 @@ class Regression(NamedTuple):
     phi2: Scalar = 0.0
 
 
+class Mixed(NamedTuple):
+    """The two scalar regressions calY_k = Delta (a0, b0)_k."""
+
+    Delta: Scalar = 0.0
+    calY1: Scalar = 0.0
+    calY2: Scalar = 0.0
+
+
 class State(NamedTuple):
     rate: Cascade = Cascade()  # of x1', rad/s
     power: Cascade = Cascade()  # of u1 - y5, pu
     filtered: Regression = Regression()  # behind mu/(p + mu)
+    mixed: Mixed = Mixed()
     a0: Scalar = 0.0
     b0: Scalar = 0.0
 
@@ -65,14 +74,19 @@ def step(xp, p: Parameters, state: State, interval, turn) -> State:
     decay = xp.exp(-p.mu * h)
     filtered = Regression(*[v * decay + (a + b) / 2 * (1 - decay) for v, a, b in zip(state.filtered, w0, w1)])
 
-    Delta = w1.phi1 * filtered.phi2 - w1.phi2 * filtered.phi1
-    calY1 = w1.z * filtered.phi2 - w1.phi2 * filtered.z
-    calY2 = w1.phi1 * filtered.z - w1.z * filtered.phi1
-    gain = p.gamma * h * Delta
-    move = gain * decay_mean(xp, gain * Delta)
-    a0 = state.a0 + move * (calY1 - Delta * state.a0)
-    b0 = state.b0 + move * (calY2 - Delta * state.b0)
-    return State(rate, power, filtered, a0, b0)
+    before = state.mixed
+    after = Mixed(
+        Delta=w1.phi1 * filtered.phi2 - w1.phi2 * filtered.phi1,
+        calY1=w1.z * filtered.phi2 - w1.phi2 * filtered.z,
+        calY2=w1.phi1 * filtered.z - w1.z * filtered.phi1,
+    )
+    gain = p.gamma * (before.Delta * before.Delta + after.Delta * after.Delta) / 2
+    drive1 = p.gamma * (before.Delta * before.calY1 + after.Delta * after.calY1) / 2
+    drive2 = p.gamma * (before.Delta * before.calY2 + after.Delta * after.calY2) / 2
+    # damping and inertia are not negative; noise can drive their estimates there, and the observer out of stability
+    a0 = xp.maximum(relax(xp, state.a0, gain, drive1, h), 0.0)
+    b0 = xp.maximum(relax(xp, state.b0, gain, drive2, h), 0.0)
+    return State(rate, power, filtered, after, a0, b0)
 
 
 def regression(lam, rate: Cascade, power: Cascade) -> Regression:

@@ -11,7 +11,7 @@ High gains amplify noise: with 1 mrad on x1, k = 80 makes 0.046 rad/s of it and 
 from typing import NamedTuple
 
 from ..interface import Scalar
-from ..linear import Matrix, Propagation, Vector, decay_mean, exponential, propagate
+from ..linear import Matrix, Propagation, Vector, exponential, propagate, relax
 
 
 class State(NamedTuple):
@@ -27,9 +27,8 @@ def step_known(xp, state: State, a0, b0, k, interval, turn) -> State:
     """x2+ = E x2 + (1 - E)/L (k dx1/h + b0 (u1 - mean y5)),  L = a0 + k,  E = e^(-L h)."""
     h = interval.h
     P_m = (interval.before.measured.P_m + interval.after.measured.P_m) / 2
-    drive = k * turn + h * b0 * (P_m - mean_power(interval))
-    L = a0 + k
-    omega = state.omega + decay_mean(xp, L * h) * (drive - L * h * state.omega)
+    drive = k * turn / h + b0 * (P_m - mean_power(interval))
+    omega = relax(xp, state.omega, a0 + k, drive, h)
     return State(omega, interval.after.measured.P_m)
 
 
