@@ -158,8 +158,19 @@ static int in_range(int variable, double value) {
 }
 
 static fmi2Status out_of_range(const Instance *instance, fmi2Status status, int variable, double value) {
-    return report(&instance->log, status, "%s = %.17g is not allowed; it must be in %s", VARIABLES[variable].name,
+    return report(&instance->log, status, "%s = %.12g is not allowed; it must be in %s", VARIABLES[variable].name,
                   value, VARIABLES[variable].allowed);
+}
+
+/* fmi2Error or fmi2Discard, and the inputs, for equations whose result is not finite. */
+static fmi2Status not_finite(const Instance *instance, fmi2Status status, const char *what) {
+    char inputs[768] = "";
+    size_t length = 0;
+    for (int i = 0; i < N_INPUTS && length < sizeof inputs; i++) {
+        length += (size_t)snprintf(inputs + length, sizeof inputs - length, "%s%s = %.9g", i == 0 ? "" : ", ",
+                                   VARIABLES[i].name, instance->now.values[i]);
+    }
+    return report(&instance->log, status, "%s is not done: its result is not finite; inputs %s", what, inputs);
 }
 
 /* An input may be set to anything, NaN too; the equations see it only within the range it has, if it has one. */
@@ -210,7 +221,7 @@ static fmi2Status initialize(Instance *instance) {
     result[1] = results + N_OUTPUTS;
     program(instance)->start(argument, result, NULL, instance->work, 0);
     if (!all_finite(results, N_OUTPUTS + program(instance)->states)) {
-        return report(&instance->log, fmi2Error, "there is no start: it would not be finite");
+        return not_finite(instance, fmi2Error, "the initialization");
     }
     memset(now->values + STATES, 0, N_STATES * sizeof(double)); /* another program may have had more of them */
     memcpy(now->values + OUTPUTS, results, (N_OUTPUTS + program(instance)->states) * sizeof(double));
@@ -235,8 +246,7 @@ static fmi2Status advance(Instance *instance, double t, double h) {
         outputs = result[0];
     }
     if (!all_finite(outputs, N_OUTPUTS + equations->states)) {
-        return report(&instance->log, fmi2Discard, "the step from %.17g s to %.17g s is not done: its result would not "
-                      "be finite", t, t + h);
+        return not_finite(instance, fmi2Discard, "the step");
     }
     memcpy(now->values + OUTPUTS, outputs, (N_OUTPUTS + equations->states) * sizeof(double));
     now->time = t + h;
@@ -311,10 +321,10 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, f
     (void)tolerance_defined, (void)tolerance; /* the step sizes are fixed */
     if (expect(instance, INSTANTIATED, "fmi2SetupExperiment") != fmi2OK) return fmi2Error;
     if (!isfinite(start_time)) {
-        return report(&instance->log, fmi2Error, "startTime = %.17g s is not allowed; it must be finite", start_time);
+        return report(&instance->log, fmi2Error, "startTime = %.12g s is not allowed; it must be finite", start_time);
     }
     if (stop_time_defined && !(stop_time >= start_time)) {
-        return report(&instance->log, fmi2Error, "stopTime = %.17g s is not allowed; it must be in [startTime = %.17g, "
+        return report(&instance->log, fmi2Error, "stopTime = %.12g s is not allowed; it must be in [startTime = %.12g, "
                       "inf] s", stop_time, start_time);
     }
     instance->now.time = start_time;
@@ -360,21 +370,21 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
     (void)no_set_fmu_state_prior;
     if (expect(instance, STEP_COMPLETE, "fmi2DoStep") != fmi2OK) return fmi2Error;
     if (!(h > 0 && isfinite(h))) {
-        return report(&instance->log, fmi2Error, "communicationStepSize = %.17g s is not allowed; it must be above 0 s",
+        return report(&instance->log, fmi2Error, "communicationStepSize = %.12g s is not allowed; it must be above 0 s",
                       h);
     }
     tolerance = 1e-9 * fmax(fmax(1, fabs(t)), h); /* of a master that adds up its steps */
     if (!(fabs(t - instance->now.time) <= tolerance)) {
-        return report(&instance->log, fmi2Error, "currentCommunicationPoint = %.17g s is not allowed; the last step "
-                      "ended at %.17g s", t, instance->now.time);
+        return report(&instance->log, fmi2Error, "currentCommunicationPoint = %.12g s is not allowed; the last step "
+                      "ended at %.12g s", t, instance->now.time);
     }
     if (t + h > instance->now.stop_time + tolerance) {
-        return report(&instance->log, fmi2Error, "a step to %.17g s is not allowed; stopTime = %.17g s", t + h,
+        return report(&instance->log, fmi2Error, "a step to %.12g s is not allowed; stopTime = %.12g s", t + h,
                       instance->now.stop_time);
     }
     if (h / MAX_STEP > MAX_DIVISIONS) {
-        status = report(&instance->log, fmi2Discard, "communicationStepSize = %.17g s is not allowed; it must be in "
-                        "(0, %.17g] s", h, MAX_STEP * MAX_DIVISIONS);
+        status = report(&instance->log, fmi2Discard, "communicationStepSize = %.12g s is not allowed; it must be in "
+                        "(0, %.12g] s", h, MAX_STEP * MAX_DIVISIONS);
     } else {
         status = check_inputs(instance, fmi2Discard);
     }

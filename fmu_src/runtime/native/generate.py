@@ -73,7 +73,7 @@ def sources(model: Model, guid: str) -> Dict[str, bytes]:
 
 
 def functions(model: Model, name: str, program: Program) -> List[Function]:
-    """start: (inputs, parameters, t) -> (outputs, state) and step: (inputs, parameters, state, t, h) -> (outputs, state)."""
+    """The program's start and step, with the arguments and results that fmi2_slave.c says."""
     inputs, parameters, t, h = symbols_like(model.inputs), symbols_like(model.parameters), SX.sym("t"), SX.sym("h")
     state, outputs = program.start(symbols, parameters, inputs, t)
     start = function(f"start_{name}", [inputs, parameters, t], [outputs, state])
@@ -154,7 +154,7 @@ def variable(port: Port) -> str:
 def message(template: str, names: List[str]) -> str:
     """A call of snprintf that writes the message of a rule into `text`."""
     parts = re.split(r"{(.*?)}", template)
-    form = "%.17g".join(part.replace("%", "%%") for part in parts[::2])
+    form = "%.12g".join(part.replace("%", "%%") for part in parts[::2])
     values = "".join(f", values[{names.index(name)}]" for name in parts[1::2])
     return f"snprintf(text, size, {text(form)}{values});"
 
