@@ -1,10 +1,11 @@
-"""Builds the FMUs: python build_fmu.py [--only NAME] [--out DIR]"""
+"""Builds the FMUs: python build_fmu.py [--native] [--only NAME] [--out DIR]"""
 
 import argparse
 import importlib
 import pkgutil
 import sys
 from pathlib import Path
+from typing import Callable
 
 from fmu_src import models
 from fmu_src.runtime import readme
@@ -30,6 +31,15 @@ def build(name: str, out: Path = OUT) -> Path:
     return path
 
 
+def build_native(name: str, out: Path = OUT, say: Callable[[str], None] = lambda message: None) -> Path:
+    """The same for `out/native/<name>.fmu`; `say` is told what is being done. Needs the extra `native`."""
+    from fmu_src.runtime.native import build as native_fmu
+
+    path = Path(out) / "native" / f"{name}.fmu"
+    native_fmu.build(all_models()[name][1], path, say)
+    return path
+
+
 def main() -> int:
     names = list(all_models())
     parser = argparse.ArgumentParser(
@@ -38,6 +48,7 @@ def main() -> int:
     )
     parser.add_argument("--only", metavar="NAME", choices=names, help=f"build one FMU: {', '.join(names)}")
     parser.add_argument("--out", metavar="DIR", type=Path, default=OUT, help="where to write (default: %(default)s)")
+    parser.add_argument("--native", action="store_true", help="build those without Python inside (extra: native)")
     parser.add_argument("--readme", action="store_true", help="write the interface tables into README.md instead")
     arguments = parser.parse_args()
     if arguments.readme:
@@ -45,8 +56,14 @@ def main() -> int:
         print(f"{README}  {'updated' if changed else 'is up to date'}")
         return 0
     for name in [arguments.only] if arguments.only else names:
-        path = build(name, arguments.out)
-        print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
+        if arguments.native:
+            try:
+                path = build_native(name, arguments.out, lambda doing, name=name: print(f"{name}: {doing}", flush=True))
+            except ModuleNotFoundError as missing:
+                parser.error(f"--native needs {missing.name}: pip install '.[native]'")
+        else:
+            path = build(name, arguments.out)
+        print(f"{path}  {path.stat().st_size / 1000:.0f} kB", flush=True)
     return 0
 
 

@@ -95,9 +95,8 @@ def type_definitions(root: Element, all_ports: List[Port]) -> None:
 
 def log_categories(root: Element) -> None:
     categories = SubElement(root, "LogCategories")
-    for status in ("Warning", "Discard", "Error"):
-        SubElement(categories, "Category", name=f"logStatus{status}")
-    SubElement(categories, "Category", name="logAll")
+    for name in ("logStatusDiscard", "logStatusError", "logAll"):
+        SubElement(categories, "Category", name=name)
 
 
 def scalar_variable(parent: Element, reference: int, port: Port) -> None:

@@ -2,7 +2,7 @@
 
 from typing import List, NamedTuple
 
-from ..pmu_observer.interface import Real, Variable, variables
+from ..pmu_observer.interface import Boolean, Real, Specification, Variable, variables
 from .model import Model
 
 
@@ -25,6 +25,13 @@ def ports(model: Model) -> List[Port]:
         for v in variables(model.outputs)
     ]
     return found
+
+
+def kind_of(specification: Specification) -> str:
+    """The FMI type to get and set the variable by; enumerations are set as integers."""
+    if isinstance(specification, Real):
+        return "Real"
+    return "Boolean" if isinstance(specification, Boolean) else "Integer"
 
 
 def input_variability(model: Model, variable: Variable) -> str:

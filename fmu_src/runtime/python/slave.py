@@ -14,9 +14,9 @@ from zlib import crc32
 
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import floats
-from ...pmu_observer.interface import Boolean, Real, broken, describe, range_errors
+from ...pmu_observer.interface import broken, describe, range_errors
 from ..model import Model, Program
-from ..ports import ports
+from ..ports import kind_of, ports
 
 INSTANTIATED, INITIALIZATION, STEP, TERMINATED = range(4)
 PHASES = ("instantiated", "in initialization mode", "in step mode", "terminated")
@@ -256,9 +256,3 @@ class ModelSlave:
     def _log(self, message, status, category):
         # C hosts take the message for a printf format
         self.log(message.replace("%", "%%"), status, category)
-
-
-def kind_of(specification):
-    if isinstance(specification, Real):
-        return "Real"
-    return "Boolean" if isinstance(specification, Boolean) else "Integer"

@@ -1,0 +1,1 @@
+"""The native FMU: any model as C, with no Python inside."""
