@@ -289,7 +289,7 @@ def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> Sta
 
 def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
     """The rotor, and the adaptive observer's state, at the end of an interval."""
-    measured, held = span.after.measured, span.after.measured.held > 0
+    held = span.after.measured.held > 0
     known = p.mechanical_power == MEASURED
     turn = unwrap(xp, estimate.delta - state.rotor.delta, state.rotor.omega * span.h)
 

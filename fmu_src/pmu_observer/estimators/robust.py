@@ -2,8 +2,8 @@
 
 Lemmas 1 and 2: given the frames, (x3, x4) moves linearly and |(x3, x4)| = sqrt(Y1) is known at once; only its
 direction is not, on the half circle E'q > 0. So 24 filters start there and their likelihoods decide: seen through noise
-the problem has up to four wells, and no single filter leaves a wrong one. Once one well has won, its mixture becomes the
-tracker. The bank, started again and again, is the tracker's supervisor: where its best explains the same window of
+the problem has up to four wells, and no single filter leaves a wrong one. Once one well has won, its mixture becomes
+the tracker. The bank, started again and again, is the tracker's supervisor: where its best explains the same window of
 frames far better, it takes over.
 
 There is no gain to choose: `tve`, the assumed noise of the phasors, settles everything.
@@ -33,8 +33,8 @@ LEAST_AGE, SUPERVISED_AGE, GREATEST_AGE, REST = 0.1, 0.25, 5.0, 0.5
 """s: no capture before, the end of a supervision after capture, and in any case; the rest before the next one."""
 
 CAPTURE_SPREAD, RIVAL_DISTANCE, RIVAL_LEAD = 0.03, 0.1, 12.5
-"""Captured: the mixture's standard deviation is below 0.03 |E'|, and the best hypothesis leads all that are farther from
-it than 0.1 |E'| by 12.5 in log-likelihood."""
+"""Captured: the mixture's standard deviation is below 0.03 |E'|, and the best hypothesis leads all that are farther
+from it than 0.1 |E'| by 12.5 in log-likelihood."""
 
 TAKEOVER_LEAD, TAKEOVER_DISTANCE, TAKEOVER_MAHALANOBIS2 = 25.0, 0.05, 25.0
 """The bank replaces the tracker: it leads by 25 in log-likelihood and is farther off than 0.05 |E'| and than 5 standard

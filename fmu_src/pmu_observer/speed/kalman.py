@@ -3,8 +3,8 @@
     delta' = omega,  omega' = -a0 omega + b0 (P_m - P),  P_m measured, or a random walk
 
 Measured are P, whose noise moves omega, and the angle of j E' less that of (E'd, E'q). The error of the latter is no
-noise: it stays, changes a little by itself, and turns with what the estimator corrects. So delta here is the rotor angle
-plus that error; a correction turns it at once and leaves omega alone.
+noise: it stays, changes a little by itself, and turns with what the estimator corrects. So delta here is the rotor
+angle plus that error; a correction turns it at once and leaves omega alone.
 """
 
 from typing import NamedTuple
