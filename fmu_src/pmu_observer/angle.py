@@ -8,9 +8,35 @@ from .linear import Vector
 from .phasors import Signals
 
 
+class Covariance(NamedTuple):
+    """Of (E'd, E'q, E_f), pu^2; all zero: the estimator does not know how far it is off."""
+
+    dd: Scalar = 0.0
+    dq: Scalar = 0.0
+    qq: Scalar = 0.0
+    df: Scalar = 0.0
+    qf: Scalar = 0.0
+    ff: Scalar = 0.0
+
+
 class Estimate(NamedTuple):
+    """What an estimator makes of the frames so far; those of the paper leave all but delta and x at the defaults."""
+
     delta: Scalar  # rad, unwrapped
     x: Vector  # (E'd, E'q), pu
+    covariance: Covariance = Covariance()
+    E_f: Scalar = 0.0  # pu, if the estimator has one
+    innovation: Scalar = 0.0  # of the last frame, in standard deviations
+    capturing: Scalar = 0.0  # 1 while several values of x are still possible
+    turn: Scalar = 0.0  # rad, by which the last frame corrected the direction of x
+    turn_variance: Scalar = 0.0  # rad^2, of how the error of that direction changed by itself since the frame before
+
+
+def direction_variance(x: Vector, covariance: Covariance):
+    """Of arg(x3 + j x4), rad^2."""
+    r2 = x.d * x.d + x.q * x.q + 1e-12
+    across = x.q * x.q * covariance.dd - 2 * x.d * x.q * covariance.dq + x.d * x.d * covariance.qq
+    return across / (r2 * r2)
 
 
 def rotor_angle(xp, s: Signals, x: Vector, near) -> Estimate:

@@ -21,6 +21,11 @@ class Matrix(NamedTuple):
     qq: Scalar
 
 
+class Complex(NamedTuple):
+    re: Scalar
+    im: Scalar
+
+
 IDENTITY = Matrix(1.0, 0.0, 0.0, 1.0)
 
 
@@ -94,6 +99,7 @@ class Propagation(NamedTuple):
 
     F: Matrix
     g: Vector
+    unit: Vector = Vector(0.0, 0.0)  # the g of a forcing (0, 1), constant over the interval
 
 
 def propagation(xp, a0: Matrix, a1: Matrix, forcing0, forcing1, h) -> Propagation:
@@ -108,7 +114,8 @@ def propagation(xp, a0: Matrix, a1: Matrix, forcing0, forcing1, h) -> Propagatio
         h / 6 * (F.dq * forcing0 + half.dq * middle),
         h / 6 * (F.qq * forcing0 + half.qq * middle + forcing1),
     )
-    return Propagation(F, g)
+    unit = Vector(h / 6 * (F.dq + 4 * half.dq), h / 6 * (F.qq + 4 * half.qq + 1))
+    return Propagation(F, g, unit)
 
 
 def propagate(p: Propagation, v: Vector) -> Vector:

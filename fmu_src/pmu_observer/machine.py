@@ -81,6 +81,20 @@ def constants(machine: TwoAxisMachine) -> Constants:
     )
 
 
+def on_system_base(machine: TwoAxisMachine, S_n, S_base) -> TwoAxisMachine:
+    """Data in pu of the machine's own S_n, MVA, in pu of S_base: reactances by S_base/S_n, H and D by S_n/S_base."""
+    up = S_base / S_n
+    return machine._replace(
+        H=machine.H / up,
+        D=machine.D / up,
+        xd=machine.xd * up,
+        xd1=machine.xd1 * up,
+        xq=machine.xq * up,
+        xq1=machine.xq1 * up,
+        Ra=machine.Ra * up,
+    )
+
+
 def reactance_rules(machine: TwoAxisMachine) -> List[Rule]:
     """No transient reactance is above its synchronous one: no machine is so, and A would be unstable."""
     return [

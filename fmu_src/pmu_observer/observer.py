@@ -8,34 +8,36 @@ that cannot be used is replaced by the last good one, turned on at the estimated
 from collections import namedtuple
 from typing import Annotated, Any, List, NamedTuple
 
-from . import tree
-from .angle import unwrap
-from .estimators import ESTIMATORS
-from .interface import INLINE, Enumeration, Integer, Real, Rule, Scalar
-from .linear import Vector, decay_mean, propagate, propagation
-from .machine import Constants, TwoAxisMachine, constants, reactance_rules
-from .phasors import (
-    LOWEST_VOLTAGE,
-    Frame,
-    Measurement,
-    Signals,
-    behind_resistance,
-    is_consistent,
-    is_finite,
-    measurement,
-    signals,
-)
-from .sampling import interval
+from . import frames, noise, tree
+from .angle import Estimate, direction_variance, unwrap
+from .estimators import ESTIMATORS, kalman
+from .interface import INLINE, Boolean, Enumeration, Integer, Real, Rule, Scalar
+from .linear import Vector, decay_mean, propagation
+from .machine import Constants, TwoAxisMachine, constants, on_system_base, reactance_rules
+from .phasors import Frame, Measurement, Signals, behind_resistance, is_consistent, is_finite, measurement, signals
+from .sampling import Change, Interval, change, interval
+from .speed import Rotor, immersion_invariance
 from .speed import adaptive as adaptive_ii
-from .speed import immersion_invariance
+from .speed import kalman as kalman_speed
 
 WAITING, CAPTURING, TRACKING, HOLDING = 0, 1, 2, 3
+
+ADAPTIVE, KALMAN = 2, 3
+"""Items of speed_observer."""
+
+ROBUST = 1 + list(ESTIMATORS).index("robust")
+
+MEASURED, ESTIMATED = 1, 2
+"""Items of field_voltage and mechanical_power."""
 
 
 class Inputs(NamedTuple):
     frame: Annotated[Frame, INLINE] = Frame()
-    P_m: Annotated[Scalar, Real("pu", "mechanical power")] = 0.0
-    E_f: Annotated[Scalar, Real("pu", "field voltage (open circuit: E_f = 1 gives V = 1)")] = 0.0
+    P_m: Annotated[Scalar, Real("pu", "mechanical power; not used where it is estimated")] = 0.0
+    E_f: Annotated[
+        Scalar, Real("pu", "field voltage (open circuit: E_f = 1 gives V = 1); not used where it is estimated")
+    ] = 0.0
+    frame_valid: Annotated[Scalar, Boolean("the frame is a new one and not marked invalid; else it is held over")] = 1.0
 
 
 def of_each_estimator(kind):
@@ -45,7 +47,20 @@ def of_each_estimator(kind):
 
 class Parameters(NamedTuple):
     machine: Annotated[TwoAxisMachine, INLINE] = TwoAxisMachine()
-    estimator: Annotated[Scalar, Enumeration("Estimator", "estimator of E'd and E'q", tuple(ESTIMATORS))] = 1
+    S_base: Annotated[Scalar, Real("MVA", "base of the frames and of P_m", min=1e-6, max=1e6, nominal=100.0)] = 100.0
+    S_n: Annotated[Scalar, Real("MVA", "base of the machine's parameters", min=1e-6, max=1e6, nominal=100.0)] = 100.0
+    estimator: Annotated[Scalar, Enumeration("Estimator", "estimator of E'd and E'q", tuple(ESTIMATORS))] = ROBUST
+    tve: Annotated[
+        Scalar,
+        Real(
+            "1",
+            "assumed noise of the phasors: total vector error, RMS; rather too large than too small; "
+            "0: estimated from the frames",
+            min=0.0,
+            max=0.2,
+            nominal=0.01,
+        ),
+    ] = 0.01
     power_source: Annotated[
         Scalar,
         Enumeration("PowerSource", "P and Q from the inputs P_t, Q_t or from the phasors", ("inputs", "phasors")),
@@ -54,17 +69,33 @@ class Parameters(NamedTuple):
         Scalar,
         Real("s", "time between PMU frames, where steps are shorter; 0: every step brings a frame", min=0.0, max=10.0),
     ] = 0.0
+    field_voltage: Annotated[
+        Scalar,
+        Enumeration(
+            "FieldVoltage", "E_f from its input, or estimated (by the estimator robust)", ("measured", "estimated")
+        ),
+    ] = MEASURED
     speed_observer: Annotated[
         Scalar,
-        Enumeration("SpeedObserver", "I&I, or I&I with a0 and b0 estimated", ("immersion_invariance", "adaptive")),
-    ] = 1
+        Enumeration(
+            "SpeedObserver",
+            "I&I, I&I with a0 and b0 estimated, or a Kalman filter with its gain from tve",
+            ("immersion_invariance", "adaptive", "kalman"),
+        ),
+    ] = KALMAN
     mechanical_power: Annotated[
         Scalar,
-        Enumeration("MechanicalPower", "P_m from its input, or estimated by I&I", ("measured", "estimated")),
-    ] = 1
+        Enumeration(
+            "MechanicalPower", "P_m from its input, or estimated by the speed observer", ("measured", "estimated")
+        ),
+    ] = MEASURED
     k_speed: Annotated[Scalar, Real("1/s", "gain of the I&I speed observer", min=0.0, max=1e4, tunable=True)] = 80.0
     adaptive: adaptive_ii.Parameters = adaptive_ii.Parameters()
     estimators: Annotated[Any, INLINE] = of_each_estimator("Parameters")
+
+
+def deviation(unit, of, known_to):
+    return Real(unit, f"standard deviation of {of}; 0: not known (only {known_to} knows it) or measured", min=0.0)
 
 
 class Outputs(NamedTuple):
@@ -73,7 +104,18 @@ class Outputs(NamedTuple):
     omega: Annotated[Scalar, Real("rad/s", "deviation from synchronous speed")] = 0.0
     e1d: Annotated[Scalar, Real("pu", "E'd, d-axis transient voltage")] = 0.0
     e1q: Annotated[Scalar, Real("pu", "E'q, q-axis transient voltage")] = 0.0
+    E_f_hat: Annotated[Scalar, Real("pu", "field voltage: measured or estimated, see field_voltage")] = 0.0
     P_m_hat: Annotated[Scalar, Real("pu", "mechanical power: measured or estimated, see mechanical_power")] = 0.0
+    delta_std: Annotated[Scalar, deviation("rad", "delta", "speed_observer kalman")] = 0.0
+    omega_std: Annotated[Scalar, deviation("rad/s", "omega", "speed_observer kalman")] = 0.0
+    e1d_std: Annotated[Scalar, deviation("pu", "E'd", "estimator robust")] = 0.0
+    e1q_std: Annotated[Scalar, deviation("pu", "E'q", "estimator robust")] = 0.0
+    E_f_std: Annotated[Scalar, deviation("pu", "E_f", "estimator robust")] = 0.0
+    P_m_std: Annotated[Scalar, deviation("pu", "P_m", "speed_observer kalman")] = 0.0
+    innovation: Annotated[
+        Scalar,
+        Real("1", "|E'|^2 of the last frame less its prediction, in standard deviations; estimator robust, else 0"),
+    ] = 0.0
     status: Annotated[
         Scalar,
         Integer(
@@ -89,37 +131,59 @@ class Outputs(NamedTuple):
 
 class State(NamedTuple):
     started: Scalar  # 0 until the first usable frame, then 1
-    held: Scalar  # 1 if the last frame due was not usable
+    rejected: Scalar  # gross errors in a row
     elapsed: Scalar  # s, since the last frame due
+    frame: Frame  # the last usable one, as it came
+    moving: Scalar  # 1 if it differed from the one before
     signals: Signals  # of the last frame due, or what was held in its place
+    change: Change  # over the last interval
     estimator: Any
-    delta: Scalar  # rad, at that frame
-    x: Vector  # pu, (E'd, E'q) at that frame
-    speed: immersion_invariance.State
+    estimate: Estimate  # at the last frame due
+    rotor: Rotor  # likewise
     adaptive: adaptive_ii.State
+    noise: noise.Estimate
+
+
+def system_base(p: Parameters) -> TwoAxisMachine:
+    return on_system_base(p.machine, p.S_n, p.S_base)
 
 
 def rules(xp, p: Parameters, inputs: Inputs) -> List[Rule]:
     """What must hold of parameters that are each in range."""
-    one_unknown = xp.logical_or(p.speed_observer == 1, p.mechanical_power == 1)
-    together = "mechanical_power = 2 (estimated) is not allowed with speed_observer = 2 (adaptive); use 1"
-    return [*reactance_rules(p.machine), Rule(one_unknown, together)]
+    one_unknown = xp.logical_or(p.speed_observer != ADAPTIVE, p.mechanical_power == MEASURED)
+    has_field = xp.logical_or(p.field_voltage == MEASURED, p.estimator == ROBUST)
+    return [
+        *reactance_rules(p.machine),
+        Rule(
+            one_unknown,
+            "mechanical_power = 2 (estimated) is not allowed with speed_observer = 2 (adaptive); use 1",
+        ),
+        Rule(
+            has_field,
+            "field_voltage = 2 (estimated) is not allowed with estimator = {estimator}; only robust (6) estimates it",
+        ),
+    ]
 
 
 def start(name: str, xp, p: Parameters, inputs: Inputs, t):
     """State and outputs at initialisation: the outputs show the frame at t, which the first step brings again."""
-    c = constants(p.machine)
-    some = signals(xp, c, Measurement(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0))  # an open generator: only its shape matters
+    c = constants(system_base(p))
+    # an open generator: only its shape matters
+    some = signals(xp, c, Measurement(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    estimator = ESTIMATORS[name].start(xp, getattr(p.estimators, name), c, some)
     state = State(
         started=0.0,
-        held=0.0,
+        rejected=0.0,
         elapsed=0.0,
+        frame=Frame(),
+        moving=0.0,
         signals=some,
-        estimator=ESTIMATORS[name].start(xp, getattr(p.estimators, name), c, some),
-        delta=0.0,
-        x=Vector(0.0, 0.0),
-        speed=immersion_invariance.start(0.0),
+        change=Change(),
+        estimator=estimator,
+        estimate=Estimate(0.0, Vector(0.0, 0.0)),
+        rotor=Rotor(0.0),
         adaptive=adaptive_ii.start(c),
+        noise=noise.Estimate(),
     )
     _, outputs = step(name, xp, p, state, inputs, t, 0.0)
     return state, outputs
@@ -127,95 +191,186 @@ def start(name: str, xp, p: Parameters, inputs: Inputs, t):
 
 def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h):
     """A communication step from t to t + h with the estimator called `name`: the state and the outputs at t + h."""
-    c = constants(p.machine)
-    usable, s = read(xp, p, c, state, inputs)
+    m = system_base(p)
+    c = constants(m)
     started = state.started > 0
     due = state.elapsed >= 0.95 * p.frame_period  # a recorded time stamp may be rounded
+    usable, s = read(xp, p, m, c, state, inputs)
     state = xp.cond(
         started,
-        lambda: xp.cond(due, lambda: close(name, xp, p, c, state, s, usable), lambda: state),
-        lambda: xp.cond(usable, lambda: begin(name, xp, p, c, state, s), lambda: state),
+        lambda: xp.cond(due, lambda: close(name, xp, p, c, state, inputs.frame, s, usable), lambda: state),
+        lambda: xp.cond(usable, lambda: begin(name, xp, p, c, state, inputs.frame, s), lambda: state),
     )
     state = state._replace(elapsed=xp.where(state.started > 0, state.elapsed + h, 0.0))
-    return state, predict(name, xp, p, c, state)
+    return state, predict(name, xp, p, m, c, state)
 
 
-def read(xp, p: Parameters, c: Constants, state: State, inputs: Inputs):
-    """Is the frame usable, and its signals: if it is not, the last good one's, turned on at the estimated speed."""
-    finite = xp.logical_and(is_finite(xp, tree.leaves(inputs)), inputs.frame.V_t > LOWEST_VOLTAGE)
-    safe = tree.map(lambda value: xp.where(finite, value, 1.0), inputs)  # math.cos(inf) raises
-    m = measurement(xp, safe.frame, safe.P_m, safe.E_f, p.power_source == 2)
-    s = signals(xp, c, behind_resistance(xp, m, p.machine.Ra))
-    usable = xp.logical_and(finite, is_consistent(xp, s))
+def read(xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State, inputs: Inputs):
+    """Is the frame usable, and its signals: any that can be calculated with, if it is not."""
+    field_known, power_known = p.field_voltage == MEASURED, p.mechanical_power == MEASURED
+    P_m, E_f = xp.where(power_known, inputs.P_m, 0.0), xp.where(field_known, inputs.E_f, state.estimate.E_f)
+    usable = frames.is_usable(xp, inputs.frame, (P_m, E_f), inputs.frame_valid)
+    frame, P_m, E_f = tree.map(
+        lambda value: xp.where(usable, value, 1.0), (inputs.frame, P_m, E_f)
+    )  # math.cos(inf) raises
+    read = measurement(xp, frame, P_m, E_f, p.power_source == 2)._replace(
+        tve=xp.where(p.tve > 0, p.tve, noise.learnt(xp, state.noise)), E_f_known=xp.where(field_known, 1.0, 0.0)
+    )
+    s = signals(xp, c, behind_resistance(xp, read, m.Ra))
+    return xp.logical_and(usable, is_consistent(xp, s)), s
 
+
+def held_over(xp, c: Constants, state: State) -> Signals:
+    """The last good frame, turned on at the estimated speed."""
     last = state.signals.measured
-    held = last._replace(theta=last.theta + state.speed.omega * state.elapsed)
-    chosen = tree.map(lambda new, old: xp.where(usable, new, old), s.measured, held)
-    return usable, signals(xp, c, chosen)
+    return signals(xp, c, last._replace(theta=last.theta + state.rotor.omega * state.elapsed, held=1.0))
 
 
-def begin(name, xp, p, c, state: State, s: Signals) -> State:
+def begin(name, xp, p, c, state: State, frame: Frame, s: Signals) -> State:
     """The state at the first usable frame."""
     estimator = ESTIMATORS[name]
     fresh = estimator.start(xp, getattr(p.estimators, name), c, s)
-    delta, x = estimator.estimate(xp, fresh, s, s.measured.theta)
-    speed = immersion_invariance.start(s.measured.P_m)
-    return State(1.0, 0.0, 0.0, s, fresh, delta, x, speed, adaptive_ii.start(c))
+    estimate = estimator.estimate(xp, fresh, s, s.measured.theta)
+    rotor = rotor_at_start(xp, p, c, s, estimate)
+    return state._replace(
+        started=1.0,
+        frame=frame,
+        signals=s,
+        estimator=fresh,
+        estimate=estimate,
+        rotor=rotor,
+        adaptive=adaptive_ii.start(c),
+    )
 
 
-def close(name, xp, p, c, state: State, s: Signals, usable) -> State:
+def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> State:
     """The state at a frame, from the one at the frame before."""
-    estimator, own = ESTIMATORS[name], getattr(p.estimators, name)
-    span = interval(xp, c, state.signals, s, state.elapsed)
-    near = state.delta + state.speed.omega * state.elapsed
+    estimator, own, h = ESTIMATORS[name], getattr(p.estimators, name), state.elapsed
 
+    # the frame, or what is held in its place
+    same = frames.is_same(xp, frame, state.frame)
+    stale = xp.logical_and(xp.logical_and(same, state.moving > 0), xp.abs(state.rotor.omega) * h > frames.STILL)
+    usable = xp.logical_and(usable, xp.logical_not(stale))
+    held = held_over(xp, c, state)
+    s = tree.map(lambda new, old: xp.where(usable, new, old), s, held)
+    span = interval(xp, c, state.signals, s, h, state.change)
+    gross = xp.logical_and(usable, frames.is_gross(xp, c, span, state.estimate, state.rotor))
+    gross = xp.logical_and(gross, state.rejected < frames.MOST_REJECTED)
+    span = xp.cond(gross, lambda: interval(xp, c, state.signals, held, h, state.change), lambda: span)
+    s = span.after
+
+    near = state.rotor.delta + state.rotor.omega * h
     moved = estimator.step(xp, own, c, state.estimator, span)
     x = estimator.estimate(xp, moved, s, near).x
     credible = is_finite(xp, (1e6 * x.d, 1e6 * x.q))  # below 1000 pu: an estimator that ran away starts again
     moved = xp.cond(credible, lambda: moved, lambda: estimator.start(xp, own, c, s))
-    delta, x = estimator.estimate(xp, moved, s, near)
+    estimate = estimator.estimate(xp, moved, s, near)
 
-    turn = unwrap(xp, delta - state.delta, state.speed.omega * state.elapsed)
-    calibrating = xp.logical_and(usable, p.speed_observer == 2)
+    rotor, calibrated = swing(xp, p, c, state, span, estimate)
+    return State(
+        started=1.0,
+        rejected=xp.where(gross, state.rejected + 1, 0.0),
+        elapsed=0.0,
+        frame=tree.map(lambda new, old: xp.where(usable, new, old), frame, state.frame),
+        moving=xp.where(xp.logical_and(usable, xp.logical_not(same)), 1.0, state.moving),
+        signals=s,
+        change=change(span.before, s),
+        estimator=moved,
+        estimate=estimate,
+        rotor=rotor,
+        adaptive=calibrated,
+        noise=xp.cond(
+            xp.logical_and(p.tve <= 0, s.measured.held <= 0),
+            lambda: noise.learn(xp, c, state.noise, s),
+            lambda: state.noise,
+        ),
+    )
+
+
+def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
+    """The rotor, and the adaptive observer's state, at the end of an interval."""
+    held = span.after.measured.held > 0
+    known = p.mechanical_power == MEASURED
+    turn = unwrap(xp, estimate.delta - state.rotor.delta, state.rotor.omega * span.h)
+
+    calibrating = xp.logical_and(xp.logical_not(held), p.speed_observer == ADAPTIVE)
     calibrated = xp.cond(
         calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, span, turn), lambda: state.adaptive
     )
     a0, b0 = (state.adaptive.a0 + calibrated.a0) / 2, (state.adaptive.b0 + calibrated.b0) / 2
-    speed = xp.cond(
-        p.mechanical_power == 2,
-        lambda: immersion_invariance.step_unknown(xp, state.speed, c.a0, c.b0, p.k_speed, span, turn),
-        lambda: immersion_invariance.step_known(xp, state.speed, a0, b0, p.k_speed, span, turn),
+
+    def by_immersion_invariance():
+        moved = xp.cond(
+            known,
+            lambda: immersion_invariance.step_known(xp, state.rotor, a0, b0, p.k_speed, span, turn),
+            lambda: immersion_invariance.step_unknown(xp, state.rotor, c.a0, c.b0, p.k_speed, span, turn),
+        )
+        # a held P drives no swing
+        return xp.cond(held, lambda: state.rotor._replace(delta=estimate.delta), lambda: moved)
+
+    rotor = xp.cond(
+        p.speed_observer == KALMAN,
+        lambda: kalman_speed.step(xp, c, state.rotor, span, estimate, known),
+        by_immersion_invariance,
     )
-    speed = xp.cond(usable, lambda: speed, lambda: state.speed)  # a held P drives no swing
-    credible = is_finite(xp, (1e6 * speed.omega,))  # below 1000 rad/s, and likewise
-    speed = xp.cond(credible, lambda: speed, lambda: immersion_invariance.start(s.measured.P_m))
-    calibrated = xp.cond(credible, lambda: calibrated, lambda: adaptive_ii.start(c))
-    return State(1.0, xp.where(usable, 0.0, 1.0), 0.0, s, moved, delta, x, speed, calibrated)
+    credible = is_finite(xp, (1e6 * rotor.omega,))  # below 1000 rad/s: a speed observer that ran away starts again
+    rotor = xp.cond(credible, lambda: rotor, lambda: rotor_at_start(xp, p, c, span.after, estimate))
+    return rotor, xp.cond(credible, lambda: calibrated, lambda: adaptive_ii.start(c))
 
 
-def predict(name, xp, p: Parameters, c: Constants, state: State) -> Outputs:
+def rotor_at_start(xp, p, c, s: Signals, estimate: Estimate) -> Rotor:
+    return xp.cond(
+        p.speed_observer == KALMAN,
+        lambda: kalman_speed.start(xp, c, s, estimate, p.mechanical_power == MEASURED),
+        lambda: Rotor(estimate.delta, 0.0, s.measured.P_m),
+    )
+
+
+def predict(name, xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State) -> Outputs:
     """The outputs `elapsed` after the last frame, with its measurement and its load angle held.
 
     omega' = -a0 omega + b0 (Pm - P) and delta' = omega go on; while frames are held over, omega is constant.
     """
-    m, h = state.signals.measured, state.elapsed
-    forcing = c.c1 * m.E_f
-    x = propagate(propagation(xp, state.signals.A, state.signals.A, forcing, forcing, h), state.x)
+    s, h, estimate, rotor = state.signals, state.elapsed, state.estimate, state.rotor
+    frame = s.measured
+    flow = propagation(xp, s.A, s.A, c.c1 * frame.E_f, c.c1 * frame.E_f, h)
+    ahead = kalman.predict(
+        xp,
+        kalman.transition(xp, c, Interval(s, s, h, flow, Change()), frame.E_f_known, 0.0),
+        kalman.Gaussian(estimate.x, estimate.E_f, estimate.covariance),
+        0.0,
+    )
     a0, b0 = state.adaptive.a0, state.adaptive.b0
-    acceleration = xp.where(state.held > 0, 0.0, b0 * (state.speed.P_m - m.P) - a0 * state.speed.omega)
+    held = frame.held > 0
+    acceleration = xp.where(held, 0.0, b0 * (rotor.P_m - frame.P) - a0 * rotor.omega)
     change = h * decay_mean(xp, a0 * h) * acceleration
-    terminal = behind_resistance(xp, m, -p.machine.Ra)
+    terminal = behind_resistance(xp, frame, -m.Ra)
 
     # behind x'd the estimator sees E'd + (x'q - x'd) Iq: exact in steady state
-    Iq = (m.P * xp.cos(state.delta - m.theta) - m.Q * xp.sin(state.delta - m.theta)) / m.V
+    angle = rotor.delta - frame.theta
+    Iq = (frame.P * xp.cos(angle) - frame.Q * xp.sin(angle)) / frame.V
+    P, R = ahead.P, rotor.covariance
+    sure = estimate.covariance.dd > 0
+
+    def deviation(variance):
+        return xp.sqrt(xp.maximum(variance, 0.0))
+
     outputs = Outputs(
-        delta=state.delta + h * (state.speed.omega + change / 2),
-        load_angle=unwrap(xp, state.delta - terminal.theta, 0.0),
-        omega=state.speed.omega + change,
-        e1d=x.d - (p.machine.xq1 - p.machine.xd1) * Iq,
-        e1q=x.q,
-        P_m_hat=state.speed.P_m,
-        status=xp.where(state.held > 0, HOLDING, TRACKING),
+        delta=rotor.delta + h * (rotor.omega + change / 2),
+        load_angle=unwrap(xp, rotor.delta - terminal.theta, 0.0),
+        omega=rotor.omega + change,
+        e1d=ahead.x.d - (m.xq1 - m.xd1) * Iq,
+        e1q=ahead.x.q,
+        E_f_hat=ahead.E_f,
+        P_m_hat=rotor.P_m,
+        delta_std=deviation(R.dd + 2 * h * R.do + h * h * R.oo + direction_variance(ahead.x, P)),
+        omega_std=deviation(R.oo),
+        e1d_std=xp.where(sure, deviation(P.dd), 0.0),
+        e1q_std=xp.where(sure, deviation(P.qq), 0.0),
+        E_f_std=deviation(P.ff),
+        P_m_std=deviation(R.pp),
+        innovation=estimate.innovation,
+        status=xp.where(held, HOLDING, xp.where(estimate.capturing > 0.5, CAPTURING, TRACKING)),
         adaptive=adaptive_ii.outputs(state.adaptive),
         estimators=Outputs().estimators._replace(**{name: ESTIMATORS[name].outputs(xp, state.estimator)}),
     )

@@ -7,7 +7,7 @@ What no single frame gives is how the angle of j E' divides between x1 and the a
 from typing import Annotated, NamedTuple
 
 from .interface import Real, Scalar
-from .linear import Matrix
+from .linear import Complex, Matrix
 from .machine import Constants
 
 LOWEST_VOLTAGE = 1e-3
@@ -32,7 +32,10 @@ class Frame(NamedTuple):
 
 
 class Measurement(NamedTuple):
-    """What the equations use of a frame and of the machine's inputs. A Frame is redundant: phi is not used."""
+    """What the equations use of a frame and of the machine's inputs, and how far it is to be trusted.
+
+    A Frame is redundant: phi is not used.
+    """
 
     theta: Scalar  # y1, rad
     V: Scalar  # y2, pu
@@ -41,6 +44,9 @@ class Measurement(NamedTuple):
     Q: Scalar  # y6, pu
     P_m: Scalar  # u1, pu
     E_f: Scalar  # u2, pu
+    tve: Scalar = 0.01  # assumed noise: E|n|^2 = (tve |.|)^2 on each of the phasors V and I
+    E_f_known: Scalar = 1.0  # 0 where E_f is only an estimate
+    held: Scalar = 0.0  # 1 where no usable frame came, and the last one was turned on in its place
 
 
 class Signals(NamedTuple):
@@ -51,6 +57,7 @@ class Signals(NamedTuple):
     Y2: Scalar  # Re j E', pu
     Y3: Scalar  # Im j E', pu
     A: Matrix  # 1/s: d/dt (x3, x4) = A (x3, x4) + (0, c1 E_f)
+    nu: Complex  # x' conj(I/(j E')): what A depends on
 
 
 def measurement(xp, frame: Frame, P_m, E_f, from_phasors) -> Measurement:
@@ -98,7 +105,8 @@ def signals(xp, c: Constants, m: Measurement) -> Signals:
         A = [ -a2 + b2 x' z0/Y1     b2 x' y5/Y1      ]
             [ -b1 x' y5/Y1         -a1 + b1 x' z0/Y1 ]
 
-    The preprint prints y2 cos(x1 - y1) = (x'/Y1)(z0 x3 - y5 x3); its matrix A is right.
+    The preprint prints y2 cos(x1 - y1) = (x'/Y1)(z0 x3 - y5 x3); its matrix A is right. With
+    nu = x' conj(I/(j E')) it is -diag(1/T'q0, 1/T'd0) plus rows b2 (Re nu, Im nu), b1 (-Im nu, Re nu).
     """
     Y1 = (c.x * m.I) * (c.x * m.I) + 2 * c.x * m.Q + m.V * m.V
     Y1 = xp.maximum(Y1, LOWEST_Y1)  # a wild frame: see is_consistent
@@ -107,7 +115,9 @@ def signals(xp, c: Constants, m: Measurement) -> Signals:
     z0 = m.Q + m.V * m.V / c.x
     same, cross = c.x * z0 / Y1, c.x * m.P / Y1
     A = Matrix(-c.a2 + c.b2 * same, c.b2 * cross, -c.b1 * cross, -c.a1 + c.b1 * same)
-    return Signals(m, Y1, Y2=-(along * sin + across * cos), Y3=along * cos - across * sin, A=A)
+    return Signals(
+        m, Y1, Y2=-(along * sin + across * cos), Y3=along * cos - across * sin, A=A, nu=Complex(same - 1, cross)
+    )
 
 
 def is_consistent(xp, s: Signals):

@@ -29,8 +29,8 @@ def _like(tree, scalars):
         return next(scalars)
     size = len(tree)
     if not any(isinstance(branch, tuple) for branch in tree):
-        return type(tree)(*islice(scalars, size))
-    return type(tree)(*[_like(branch, scalars) for branch in tree])
+        return _of_type(tree, islice(scalars, size))
+    return _of_type(tree, [_like(branch, scalars) for branch in tree])
 
 
 def map(function, *trees: Any) -> Any:
@@ -38,4 +38,9 @@ def map(function, *trees: Any) -> Any:
     first = trees[0]
     if not isinstance(first, tuple):
         return function(*trees)
-    return type(first)(*[map(function, *branches) for branches in zip(*trees)])
+    return _of_type(first, [map(function, *branches) for branches in zip(*trees)])
+
+
+def _of_type(tree, branches):
+    # a plain tuple groups what a function returns; a NamedTuple takes its branches one by one
+    return type(tree)(*branches) if hasattr(tree, "_fields") else tuple(branches)

@@ -17,9 +17,10 @@ BASE_UNITS = {
     "s/rad": {"s": 1, "rad": -1},
     "1/s": {"s": -1},
     "Hz": {"s": -1},
+    "MVA": {"kg": 1, "m": 2, "s": -3, "factor": 1000000},
     "pu": {},
 }
-"""Exponents of the SI base units; `pu` has none, and "1" is written as no unit at all."""
+"""Exponents of the SI base units, and a factor; `pu` has none, and "1" is written as no unit at all."""
 
 
 def model_description(model: Model, guid: str, capabilities: dict, source_files: Tuple[str, ...] = ()) -> bytes:

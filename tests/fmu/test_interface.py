@@ -13,16 +13,19 @@ STATES = ["delta", "load_angle", "omega", "e1d", "e1q"]
 
 CONTRACT = {
     "PmuObserver": {
-        "input": [*FRAME, "P_m", "E_f"],
+        "input": [*FRAME, "P_m", "E_f", "frame_valid"],
         "parameter": [
             *MACHINE,
             *("estimator", "drem.gamma", "drem.d2", "drem.d3", "drem.d4", "drem.d5"),
             *("overparameterised.Gamma", "gradient.Gamma", "k_speed", "frame_period", "power_source"),
+            *("tve", "S_base", "S_n", "field_voltage", "mechanical_power", "speed_observer"),
         ],
         "output": [
             *STATES,
             *("drem.theta1", "drem.theta2", "drem.Delta", "drem.int_Delta2", "status"),
             *(f"overparameterised.Theta{i}" for i in range(1, 6)),
+            *("delta_std", "omega_std", "e1d_std", "e1q_std", "innovation"),
+            *("E_f_hat", "P_m_hat", "E_f_std", "P_m_std"),
         ],
     },
     "SmibPlant": {
@@ -54,7 +57,7 @@ def test_names_of_the_contract(dist, name):
 def test_every_real_has_a_unit_or_is_a_number(dist, name):
     description = read_model_description(dist / "python" / f"{name}.fmu")
     without = {v.name for v in description.modelVariables if v.type == "Real" and v.unit is None}
-    expected = {v for v in without if v.startswith("overparameterised.") or v == "drem.Delta"}
+    expected = {v for v in without if v.startswith("overparameterised.") or v in ("drem.Delta", "tve", "innovation")}
     assert without == expected
 
 

@@ -2,6 +2,8 @@
 
 from numpy import (
     abs,
+    all,
+    any,
     atan2,
     cos,
     exp,
@@ -13,7 +15,6 @@ from numpy import (
     logical_or,
     maximum,
     minimum,
-    ndim,
     sin,
     sqrt,
     where,
@@ -26,6 +27,8 @@ __all__ += ["logical_or", "maximum", "minimum", "sin", "sqrt", "where"]
 
 
 def cond(condition, then, otherwise):
-    if ndim(condition) == 0:
-        return then() if condition else otherwise()
+    if all(condition):
+        return then()
+    if not any(condition):
+        return otherwise()
     return tree.map(lambda x, y: where(condition, x, y), then(), otherwise())

@@ -10,7 +10,7 @@ from ..angle import Estimate
 from ..machine import Constants
 from ..phasors import Signals
 from ..sampling import Interval
-from . import drem, gradient, joint_gradient, open_loop, overparameterised
+from . import drem, gradient, joint_gradient, open_loop, overparameterised, robust
 
 
 class Estimator(Protocol):
@@ -42,4 +42,5 @@ ESTIMATORS = {
     "gradient": gradient,
     "joint_gradient": joint_gradient,
     "open_loop": open_loop,
+    "robust": robust,
 }

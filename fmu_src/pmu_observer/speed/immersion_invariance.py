@@ -8,31 +8,20 @@ Over an interval in which x1 turns evenly these are linear equations in (x2, d),
 High gains amplify noise: with 1 mrad on x1, k = 80 makes 0.046 rad/s of it and k = 2 makes 0.002 (50 frames/s).
 """
 
-from typing import NamedTuple
-
-from ..interface import Scalar
 from ..linear import Matrix, Propagation, Vector, exponential, propagate, relax
+from . import Rotor
 
 
-class State(NamedTuple):
-    omega: Scalar = 0.0  # rad/s
-    P_m: Scalar = 0.0  # pu
-
-
-def start(P_m) -> State:
-    return State(0.0, P_m)
-
-
-def step_known(xp, state: State, a0, b0, k, interval, turn) -> State:
+def step_known(xp, rotor: Rotor, a0, b0, k, interval, turn) -> Rotor:
     """x2+ = E x2 + (1 - E)/L (k dx1/h + b0 (u1 - mean y5)),  L = a0 + k,  E = e^(-L h)."""
     h = interval.h
     P_m = (interval.before.measured.P_m + interval.after.measured.P_m) / 2
     drive = k * turn / h + b0 * (P_m - mean_power(interval))
-    omega = relax(xp, state.omega, a0 + k, drive, h)
-    return State(omega, interval.after.measured.P_m)
+    omega = relax(xp, rotor.omega, a0 + k, drive, h)
+    return Rotor(rotor.delta + turn, omega, interval.after.measured.P_m)
 
 
-def step_unknown(xp, state: State, a0, b0, k, interval, turn) -> State:
+def step_unknown(xp, rotor: Rotor, a0, b0, k, interval, turn) -> Rotor:
     """The same with d = b0 Pm as a second state; k1 = k, and k2 = (a0 + k)^2/4 puts both poles at -(a0 + k)/2."""
     h = interval.h
     L = a0 + k
@@ -42,9 +31,9 @@ def step_unknown(xp, state: State, a0, b0, k, interval, turn) -> State:
     omega_rest = turn / h
     d_rest = a0 * omega_rest + b0 * mean_power(interval)
     omega, d = propagate(
-        Propagation(F, Vector(omega_rest, d_rest)), Vector(state.omega - omega_rest, b0 * state.P_m - d_rest)
+        Propagation(F, Vector(omega_rest, d_rest)), Vector(rotor.omega - omega_rest, b0 * rotor.P_m - d_rest)
     )
-    return State(omega, d / b0)
+    return Rotor(rotor.delta + turn, omega, d / b0)
 
 
 def mean_power(interval):

@@ -1,0 +1,138 @@
+"""One Kalman filter of (E'd, E'q, E_f), linear but for its measurement Y1 = E'd^2 + E'q^2.
+
+    (x3, x4)+ = F (x3, x4) + g + G E_f,   E_f+ = E_f + random walk        (G = 0 and E_f given where E_f is measured)
+
+F is exact for the mean A of the interval. A itself is measured, so that its noise, and what it does between the frames
+when the network jumps, are process noise; nothing else is, and there is nothing to tune.
+"""
+
+from typing import NamedTuple
+
+from .. import noise
+from ..angle import Covariance
+from ..interface import Scalar
+from ..linear import Complex, Matrix, Vector, apply, decay_mean
+from ..machine import Constants
+from ..sampling import Interval
+
+
+class Gaussian(NamedTuple):
+    x: Vector  # (E'd, E'q), pu
+    E_f: Scalar  # pu
+    P: Covariance
+
+
+class Transition(NamedTuple):
+    """What an interval does to every Gaussian."""
+
+    F: Matrix
+    g: Vector
+    G: Vector
+    Q: Vector  # variances that the noise of A adds, pu^2
+    jump: Complex  # of nu, times h/2: A is wrong by that for half the interval
+    b: Vector  # b2, b1
+    E_f: Scalar  # pu, measured
+    E_f_known: Scalar
+
+
+class Updated(NamedTuple):
+    gaussian: Gaussian
+    innovation: Scalar  # in standard deviations
+    log_likelihood: Scalar
+
+
+def transition(xp, c: Constants, interval: Interval, E_f_known, gap) -> Transition:
+    """The transition of an interval `gap` s after the last usable frame (0: the interval ends with one).
+
+    E|dnu|^2 = v makes (h b2)^2 v Y1/2 of E'd and (h b1)^2 v Y1/2 of E'q, less what decays within the interval;
+    without it the filter is sure of itself and wrong. In a gap, nu walks away by 0.02 per s of it and sqrt(s).
+    """
+    h, s, flow = interval.h, interval.after, interval.flow
+    variance = h * h * noise.of_nu(s) * s.Y1 / 2
+    drift = 0.02 * gap
+    in_gap = drift * drift * h * s.Y1
+
+    def accumulated(b, rate):
+        mean = decay_mean(xp, xp.maximum(-rate, 0.0) * h)
+        return b * b * (variance * mean * mean + in_gap)
+
+    known = E_f_known > 0
+    forcing_error = c.c1 * h / 2 * interval.jump.E_f
+    return Transition(
+        F=flow.F,
+        g=Vector(xp.where(known, flow.g.d, 0.0), xp.where(known, flow.g.q, 0.0)),
+        G=Vector(xp.where(known, 0.0, c.c1 * flow.unit.d), xp.where(known, 0.0, c.c1 * flow.unit.q)),
+        Q=Vector(accumulated(c.b2, s.A.dd), accumulated(c.b1, s.A.qq) + forcing_error * forcing_error),
+        jump=Complex(h / 2 * interval.jump.nu.re, h / 2 * interval.jump.nu.im),
+        b=Vector(c.b2, c.b1),
+        E_f=s.measured.E_f,
+        E_f_known=E_f_known,
+    )
+
+
+def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
+    """x+ = F x + g + G E_f,  P+ = [F G; 0 1] P [F G; 0 1]^T + Q + n n^T;  `walk` is the variance that E_f adds, pu^2.
+
+    n = (b2 Re, -b1 Im)(jump conj(x3 + j x4)) is what a jump of nu at an unknown instant does.
+    """
+    F, G, P = t.F, t.G, v.P
+    moved = apply(F, v.x)
+    x = Vector(moved.d + t.g.d + G.d * v.E_f, moved.q + t.g.q + G.q * v.E_f)
+    # [F G] P
+    dd = F.dd * P.dd + F.dq * P.dq + G.d * P.df
+    dq = F.dd * P.dq + F.dq * P.qq + G.d * P.qf
+    df = F.dd * P.df + F.dq * P.qf + G.d * P.ff
+    qd = F.qd * P.dd + F.qq * P.dq + G.q * P.df
+    qq = F.qd * P.dq + F.qq * P.qq + G.q * P.qf
+    qf = F.qd * P.df + F.qq * P.qf + G.q * P.ff
+    n_d = t.b.d * (t.jump.re * v.x.d + t.jump.im * v.x.q)
+    n_q = t.b.q * (t.jump.re * v.x.q - t.jump.im * v.x.d)
+    covariance = Covariance(
+        dd=dd * F.dd + dq * F.dq + df * G.d + t.Q.d + n_d * n_d,
+        dq=dd * F.qd + dq * F.qq + df * G.q + n_d * n_q,
+        qq=qd * F.qd + qq * F.qq + qf * G.q + t.Q.q + n_q * n_q,
+        df=df,
+        qf=qf,
+        ff=P.ff + walk,
+    )
+    return Gaussian(x, xp.where(t.E_f_known > 0, t.E_f, v.E_f), covariance)
+
+
+def turn_variance(t: Transition, before: Gaussian, after: Gaussian):
+    """Of the change of the error of arg(x3 + j x4) over an interval, rad^2: that of x changes by (F - I) and by Q."""
+    v, w = across(before.x), across(after.x)
+    e = Vector(w.d * t.F.dd + w.q * t.F.qd - v.d, w.d * t.F.dq + w.q * t.F.qq - v.q)
+    P = before.P
+    return e.d * e.d * P.dd + 2 * e.d * e.q * P.dq + e.q * e.q * P.qq + w.d * w.d * t.Q.d + w.q * w.q * t.Q.q
+
+
+def across(x: Vector) -> Vector:
+    """The gradient of arg(x3 + j x4)."""
+    r2 = x.d * x.d + x.q * x.q + 1e-12
+    return Vector(-x.q / r2, x.d / r2)
+
+
+def update(xp, v: Gaussian, Y1, R) -> Updated:
+    """With Y1, less the mean of its error, and the error's variance R; to second order in the error of x:
+
+    r = Y1 - |x|^2 - tr P,   S = H P H^T + 2 tr P^2 + R,   H = 2 x^T,   K = P H^T/max(S, r^2/9)
+    """
+    d, q, P = v.x.d, v.x.q, v.P
+    # P H^T
+    hd = 2 * (d * P.dd + q * P.dq)
+    hq = 2 * (d * P.dq + q * P.qq)
+    hf = 2 * (d * P.df + q * P.qf)
+    r = Y1 - d * d - q * q - P.dd - P.qq
+    S = 2 * (d * hd + q * hq + P.dd * P.dd + 2 * P.dq * P.dq + P.qq * P.qq) + R
+    normalised2 = r * r / S
+    weight = 1 / (S * xp.maximum(normalised2 / 9, 1.0))  # beyond 3 standard deviations a residual counts no further
+    kd, kq, kf = weight * hd, weight * hq, weight * hf
+    return Updated(
+        Gaussian(
+            Vector(d + kd * r, q + kq * r),
+            v.E_f + kf * r,
+            Covariance(P.dd - kd * hd, P.dq - kd * hq, P.qq - kq * hq, P.df - kd * hf, P.qf - kq * hf, P.ff - kf * hf),
+        ),
+        r / xp.sqrt(S),
+        -(xp.log(S) + xp.minimum(normalised2, 16.0)) / 2,
+    )
