@@ -14,3 +14,13 @@ def dist(tmp_path_factory) -> Path:
     for name in build_fmu.all_models():
         build_fmu.build(name, out)
     return out
+
+
+@pytest.fixture(scope="session")
+def native_dist(tmp_path_factory, worker_id) -> Path:
+    """The same with the native FMUs; compiled once for all workers, unless two of them begin at the same moment."""
+    base = tmp_path_factory.getbasetemp()
+    out = (base if worker_id == "master" else base.parent) / "dist"
+    for name in build_fmu.all_models():
+        build_fmu.build_native(name, out)
+    return out

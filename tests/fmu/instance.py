@@ -27,6 +27,7 @@ class Instance:
     """One instance of an FMU, loaded from its zip by FMPy."""
 
     def __init__(self, path: Path, name: str = "instance", **start):
+        self.path = path
         self.description = read_model_description(path)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.messages: list[str] = []
@@ -91,6 +92,6 @@ class Instance:
         return self.get(*[name for name, v in self.variables.items() if v.causality == "output"])
 
     def free(self) -> None:
-        self.slave.terminate()
+        self.call("fmi2Terminate")
         self.slave.freeInstance()
         shutil.rmtree(self.folder, ignore_errors=True)

@@ -64,6 +64,8 @@ enum {
     ANY = INSTANTIATED | INITIALIZATION | INITIALIZED
 };
 
+static const char GUID[40] = MODEL_GUID;
+
 /* All that fmi2SetFMUstate brings back. */
 typedef struct {
     int64_t phase;
@@ -77,7 +79,7 @@ typedef struct {
 typedef struct {
     uint64_t magic; /* tells the byte order too */
     uint64_t checksum;
-    char guid[40];
+    char guid[sizeof GUID];
     Situation situation;
 } Snapshot;
 
@@ -277,9 +279,9 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         report(&log, fmi2Error, "fmi2Instantiate: the FMU is for co-simulation only");
         return NULL;
     }
-    if (!guid || strcmp(guid, MODEL_GUID) != 0) {
+    if (!guid || strcmp(guid, GUID) != 0) {
         report(&log, fmi2Error, "fmi2Instantiate: guid = %s is not allowed; the binary is of %s", guid ? guid : "NULL",
-               MODEL_GUID);
+               GUID);
         return NULL;
     }
     instance = calloc(1, sizeof *instance + strlen(name) + 1);
@@ -548,7 +550,7 @@ static uint64_t checksum_of(const Situation *situation) {
 static const char *flaw(const Snapshot *snapshot) {
     const Situation *situation = &snapshot->situation;
     if (snapshot->magic != MAGIC) return "is not one of an FMU of this kind";
-    if (strncmp(snapshot->guid, MODEL_GUID, sizeof snapshot->guid) != 0) return "is that of another FMU";
+    if (memcmp(snapshot->guid, GUID, sizeof GUID) != 0) return "is that of another FMU";
     if (snapshot->checksum != checksum_of(situation)) return "is damaged";
     if (situation->phase < INSTANTIATED || situation->phase > TERMINATED || situation->phase & (situation->phase - 1)) {
         return "is damaged";
@@ -578,7 +580,7 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     snapshot = snapshot_for(state);
     if (!snapshot) return refuse(instance, "fmi2GetFMUstate", "has no memory");
     snapshot->magic = MAGIC;
-    memcpy(snapshot->guid, MODEL_GUID, sizeof MODEL_GUID);
+    memcpy(snapshot->guid, GUID, sizeof GUID);
     snapshot->situation = instance->now;
     snapshot->checksum = checksum_of(&snapshot->situation);
     return fmi2OK;
