@@ -229,8 +229,9 @@ def test_what_cannot_be_instantiated(instance):
     slave, callbacks = instance.slave, pointer(instance.callbacks)
     guid = instance.description.guid.encode()
 
-    def instantiate(name=b"x", kind=fmi2CoSimulation, guid=guid, uri=None, functions=callbacks):
-        made = slave.fmi2Instantiate(name, kind, guid, uri, functions, 0, 0)
+    def instantiate(**changed):
+        good = {"name": b"x", "kind": fmi2CoSimulation, "guid": guid, "uri": None, "functions": callbacks}
+        made = slave.fmi2Instantiate(*{**good, **changed}.values(), 0, 0)
         if made:
             slave.fmi2FreeInstance(made)
         return bool(made)

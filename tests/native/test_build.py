@@ -87,8 +87,9 @@ def exports(path, binary):
         return [[str(symbol.name) for symbol in elf.exported_symbols]]
     if binary.startswith("win64"):
         pe = lief.PE.parse(list(content))
-        assert pe
-        return [[str(entry.name) for entry in pe.get_export().entries]]
+        table = pe.get_export() if pe else None
+        assert table
+        return [[str(entry.name) for entry in table.entries]]
     fat = lief.MachO.parse(list(content))
     assert fat and [slice.header.cpu_type.name for slice in fat] == ["X86_64", "ARM64"]
     return [[str(symbol.name).removeprefix("_") for symbol in slice.exported_symbols] for slice in fat]
