@@ -105,8 +105,9 @@ def derivative(system: System, grid: Reduction, x: np.ndarray) -> np.ndarray:
     V_s = np.minimum(np.maximum(lead2, m.V_s_min), m.V_s_max) if system.pss else 0.0
     error = system.setpoints.V_ref + V_s - s.V_measured
     regulated = s.lag + m.TC / m.TB * (error - s.lag)
-    dE_f = (m.KA * regulated - s.E_f) / m.TA
-    dE_f = np.where(s.E_f >= m.E_f_max, np.minimum(dE_f, 0), np.where(s.E_f <= m.E_f_min, np.maximum(dE_f, 0), dE_f))
+    E_f = limited(s.E_f, m)  # a stage of the integration may lie beyond
+    dE_f = (m.KA * regulated - E_f) / m.TA
+    dE_f = np.where(E_f == m.E_f_max, np.minimum(dE_f, 0), np.where(E_f == m.E_f_min, np.maximum(dE_f, 0), dE_f))
     ordered = -system.setpoints.P_m / DROOP * slip if system.governors else 0.0
 
     return np.array(
@@ -114,7 +115,7 @@ def derivative(system: System, grid: Reduction, x: np.ndarray) -> np.ndarray:
             delta=s.omega,
             omega=OMEGA_S / (2 * m.H) * (system.setpoints.P_m + s.turbine - at.S.real),
             e1d=((m.xq - m.xq1) * I_dq.imag - s.e1d) / m.Tq10,
-            e1q=(s.E_f - s.e1q - (m.xd - m.xd1) * I_dq.real) / m.Td10,
+            e1q=(E_f - s.e1q - (m.xd - m.xd1) * I_dq.real) / m.Td10,
             V_measured=(np.abs(at.V) - s.V_measured) / m.TR,
             lag=(error - s.lag) / m.TB,
             E_f=dE_f,
@@ -135,8 +136,12 @@ def runge_kutta(system: System, grid: Reduction, x: np.ndarray, h: float) -> np.
     k4 = derivative(system, grid, x + h * k3)
     x = x + h / 6 * (k1 + 2 * (k2 + k3) + k4)
     E_f = States._fields.index("E_f")
-    x[E_f] = np.minimum(np.maximum(x[E_f], system.machines.E_f_min), system.machines.E_f_max)
+    x[E_f] = limited(x[E_f], system.machines)
     return x
+
+
+def limited(E_f, m: Machines):
+    return np.minimum(np.maximum(E_f, m.E_f_min), m.E_f_max)
 
 
 @cache
