@@ -15,7 +15,7 @@ from fmu_src.pmu_observer.plants.ieee39.plant import LOADS, Parameters, grid_at
 
 from .simulation import simulate
 
-RECORDS = Path(__file__).parents[2] / "scenarios" / "records"
+DATA = Path(__file__).parents[2] / "scenarios" / "data"
 ROTOR = [States._fields.index(name) for name in ("delta", "e1d", "e1q")]
 
 
@@ -49,7 +49,7 @@ def test_modes(pss):
 
 def test_an_independent_record_of_a_load_step():
     """Generator 6 while bus 16 draws 50 MW + 10 Mvar more from 1 s to 11 s, simulated with ANDES 2.0.0."""
-    with open(RECORDS / "andes4_loadstep_gov_G6.csv", encoding="utf-8") as file:
+    with open(DATA / "andes4_loadstep_gov_G6.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     record = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
     run = simulate(20.0, t_step=1.0, t_step_end=11.0)
