@@ -57,6 +57,9 @@ def main() -> int:
         return 0
     for name in [arguments.only] if arguments.only else names:
         if arguments.native:
+            if requirements := all_models()[name][1].requirements:
+                print(f"{name}: no native FMU, because its equations need {', '.join(requirements)}")
+                continue
             try:
                 path = build_native(name, arguments.out, lambda doing, name=name: print(f"{name}: {doing}", flush=True))
             except ModuleNotFoundError as missing:

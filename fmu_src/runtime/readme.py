@@ -1,7 +1,8 @@
 """The README's interface tables, written from the same list of variables as the FMUs."""
 
+import re
 from pathlib import Path
-from typing import List
+from typing import Dict, List
 
 from ..pmu_observer.interface import Boolean, Enumeration, Integer, Real, describe
 from .model import Model
@@ -11,15 +12,25 @@ from .ports import Port, ports
 def interface_table(model: Model) -> str:
     """A Markdown table of the model's variables: name, kind, start, unit or range, meaning."""
     rows = ["| variable | causality | start | unit, range | meaning |", "|---|---|---|---|---|"]
-    rows += [row(port) for port in ports(model)]
+    rows += [row(group) for group in alike(ports(model))]
     return "\n".join(rows)
 
 
-def row(port: Port) -> str:
-    (name, specification, start), causality, variability = port
+def alike(found: List[Port]) -> List[List[Port]]:
+    """Variables that differ in a number in their name only, `G1.V_t` to `G10.V_t`, together."""
+    groups: Dict[tuple, List[Port]] = {}
+    for port in found:
+        name, *rest = port.variable
+        groups.setdefault((re.sub(r"\d+", "", name), *rest, *port[1:]), []).append(port)
+    return list(groups.values())
+
+
+def row(group: List[Port]) -> str:
+    (name, specification, start), causality, variability = group[0]
+    names = f"`{name}`" if len(group) == 1 else f"`{name}` ... `{group[-1].variable.name}`"
     tunable = " (tunable)" if variability == "tunable" else ""
     shown = "" if causality == "output" else start_value(specification, start)
-    cells = (f"`{name}`", causality + tunable, shown, allowed(specification), specification.description)
+    cells = (names, causality + tunable, shown, allowed(specification), specification.description)
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 

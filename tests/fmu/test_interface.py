@@ -37,6 +37,18 @@ CONTRACT = {
         ],
         "output": [*FRAME, *STATES],
     },
+    "Ieee39Plant": {
+        "input": [],
+        "parameter": [
+            *("governors", "pss", "salient", "load_sigma", "load_tau", "seed"),
+            *("step_bus", "step_P", "step_Q", "t_step", "t_step_end", "fault_bus", "x_fault", "t_fault", "t_clear"),
+            *("trip_from", "trip_to", "t_trip"),
+        ],
+        "output": [
+            *(f"G{k}.{name}" for k in range(1, 11) for name in (*FRAME, *STATES, "P_m", "E_f")),
+            *(f"bus{n}.{name}" for n in range(1, 40) for name in ("V", "theta")),
+        ],
+    },
 }
 
 
