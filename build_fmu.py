@@ -23,6 +23,11 @@ def all_models() -> dict[str, tuple[str, Model]]:
     return {model.name: (module, model) for module, model in declared.items()}
 
 
+def native_names() -> list[str]:
+    """The models that become native FMUs: those whose equations need nothing but the carriers."""
+    return [name for name, (_, model) in all_models().items() if not model.requirements]
+
+
 def build(name: str, out: Path = OUT) -> Path:
     """Build `out/python/<name>.fmu` if it is missing or stale; return its path. Raises KeyError for an unknown name."""
     module, model = all_models()[name]
@@ -38,6 +43,10 @@ def build_native(name: str, out: Path = OUT, say: Callable[[str], None] = lambda
     path = Path(out) / "native" / f"{name}.fmu"
     native_fmu.build(all_models()[name][1], path, say)
     return path
+
+
+def report(path: Path) -> None:
+    print(f"{path}  {path.stat().st_size / 1000:.0f} kB", flush=True)
 
 
 def main() -> int:
@@ -56,17 +65,16 @@ def main() -> int:
         print(f"{README}  {'updated' if changed else 'is up to date'}")
         return 0
     for name in [arguments.only] if arguments.only else names:
-        if arguments.native:
-            if requirements := all_models()[name][1].requirements:
-                print(f"{name}: no native FMU, because its equations need {', '.join(requirements)}")
-                continue
+        if arguments.native and name not in native_names():
+            print(f"{name}: no native FMU, because its equations need more than the standard library")
+        elif arguments.native:
             try:
                 path = build_native(name, arguments.out, lambda doing, name=name: print(f"{name}: {doing}", flush=True))
             except ModuleNotFoundError as missing:
                 parser.error(f"--native needs {missing.name}: pip install '.[native]'")
+            report(path)
         else:
-            path = build(name, arguments.out)
-        print(f"{path}  {path.stat().st_size / 1000:.0f} kB", flush=True)
+            report(build(name, arguments.out))
     return 0
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 import build_fmu
 
@@ -18,9 +19,10 @@ def dist(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def native_dist(tmp_path_factory, worker_id) -> Path:
-    """The same with the native FMUs; compiled once for all workers, unless two of them begin at the same moment."""
+    """The same with the native FMUs, compiled once for all workers."""
     base = tmp_path_factory.getbasetemp()
     out = (base if worker_id == "master" else base.parent) / "dist"
-    for name in build_fmu.all_models():
-        build_fmu.build_native(name, out)
+    with FileLock(f"{out}.lock"):
+        for name in build_fmu.native_names():
+            build_fmu.build_native(name, out)
     return out

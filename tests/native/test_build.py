@@ -18,7 +18,7 @@ import build_fmu
 
 from ..fmu.instance import OK, Instance
 
-NAMES = list(build_fmu.all_models())
+NAMES = build_fmu.native_names()
 HEADER = Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h"
 FMI_FUNCTIONS = set(re.findall(r"FMI2_Export fmi2\w+TYPE\s+(fmi2\w+)", HEADER.read_text()))
 
