@@ -1,0 +1,89 @@
+"""The figures of a run: [[figure]] in its scenario."""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("agg")  # figures are written to files; no display is needed
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from .master import Results
+from .plan import sweep_text
+from .scenario import Figure, Panel
+
+PANEL = (5.2, 2.9)
+"""inches, width and height"""
+
+STYLES = ("-", "--", ":", "-.")
+
+
+def draw(results: Results, figure: Figure, path: Path) -> None:
+    columns = 1 if len(figure.panel) < 4 else 2
+    rows = -(-len(figure.panel) // columns)
+    size = (PANEL[0] * (2 if columns == 2 else 1.6), PANEL[1] * rows)
+    with plt.style.context("seaborn-v0_8-whitegrid"):
+        canvas, axes = plt.subplots(rows, columns, figsize=size, sharex=True, squeeze=False, layout="constrained")
+        drawn = [draw_panel(results, figure, panel, ax) for ax, panel in zip(axes.flat, figure.panel, strict=False)]
+        for ax in axes.flat[len(figure.panel) :]:
+            ax.remove()
+        for ax in axes[-1]:
+            ax.set_xlabel("time [s]")
+        if all(legend(lines) == legend(drawn[0]) for lines in drawn):
+            length = sum(len(label) + 8 for label, *_ in legend(drawn[0]))  # 8: the line before it
+            needed = -(-length // round(11 * size[0]))  # rows, of 11 characters an inch
+            canvas.legend(handles=drawn[0], loc="outside lower center", ncols=-(-len(drawn[0]) // needed))
+        else:
+            for ax in axes.flat[: len(figure.panel)]:
+                ax.legend(frameon=True, fontsize="small")
+        canvas.suptitle(figure.title)
+        canvas.savefig(path, dpi=120)
+        plt.close(canvas)
+
+
+def draw_panel(results: Results, figure: Figure, panel: Panel, ax: Axes) -> list[Line2D]:
+    """What is not swept in black, each value of a sweep in its colour, each further curve in its own style."""
+    scenario = results.plan.scenario
+    shown = slice(scenario.index(figure.after), scenario.index(figure.until or scenario.stop) + 1)
+    quantities = {quantity(name) for name in panel.curves}
+    colours: dict[str, str] = {}
+    units: dict[str, None] = {}
+    lines = []
+    for number, name in enumerate(panel.curves):
+        signals = results.plan.signals[name]
+        # later ones are thinner: what lies on top of each other is seen
+        for signal, width in zip(signals, np.linspace(1.4 + 1.2 * (len(signals) > 1), 1.4, len(signals)), strict=True):
+            key = sweep_text(signal.sweep)
+            colour = colours.setdefault(key, f"C{len(colours)}") if key else "black"
+            # what the axis says already is not repeated: "observer, gamma = 1e15"
+            named = name if len(quantities) > 1 else name.removesuffix(quantity(name)).removesuffix(".")
+            lines += ax.plot(
+                results.time[shown],
+                np.abs(results.of(signal)[shown]) if panel.log else results.of(signal)[shown],
+                STYLES[number % len(STYLES)],
+                color=colour,
+                label=", ".join(part for part in (named, key) if part) or name,
+                linewidth=width,
+            )
+            units[signal.unit] = None
+    text = quantities.pop() if len(quantities) == 1 else ""
+    unit = "" if list(units) == ["1"] else f"[{', '.join(units)}]"
+    ax.set_ylabel(f"{f'|{text}|' if panel.log else text} {unit}".strip())
+    ax.set_title(panel.title, fontsize="medium")
+    if panel.log:
+        ax.set_yscale("log")
+    if panel.range:
+        ax.set_ylim(*panel.range)
+    return lines
+
+
+def quantity(name: str) -> str:
+    """`delta` of `plant.delta`; an error is its own."""
+    return name.partition(".")[2] or name
+
+
+def legend(lines: list[Line2D]) -> list[tuple]:
+    return [(str(line.get_label()), line.get_color(), line.get_linestyle()) for line in lines]

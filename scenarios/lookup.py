@@ -1,0 +1,111 @@
+"""The names of a scenario: components, their variables and their instances. What is not found is a ScenarioError."""
+
+from collections.abc import Iterable, Mapping
+from itertools import product
+from typing import Any
+
+from .component import Component, Variable
+from .errors import ScenarioError, alternatives
+from .plan import Instance, agree, sweep_text
+from .scenario import Scenario
+
+
+class Lookup:
+    """`where` is the place in the scenario that the messages name."""
+
+    def __init__(self, scenario: Scenario, components: Mapping[str, Component]):
+        self.components = components
+        self.instances = {name: list(instances_of(scenario, name)) for name in components}
+
+    def component(self, where: str, name: str) -> Component:
+        if name not in self.components:
+            known = alternatives(name, list(self.components))
+            raise ScenarioError(f'{where}: there is no FMU or CSV "{name}"; {known}')
+        return self.components[name]
+
+    def variable(self, where: str, component: str, name: str, *causalities: str) -> Variable:
+        """A variable of a component; with `causalities`, of one of those."""
+        variables = self.component(where, component).variables
+        if name in variables and variables[name].causality in (causalities or [variables[name].causality]):
+            return variables[name]
+        known = [v.name for v in variables.values() if v.causality in (causalities or [v.causality])]
+        kind = " or ".join(causalities) or "variable"
+        raise ScenarioError(f'{where}: {component} has no {kind} "{name}"; {alternatives(name, known)}')
+
+    def fmus_with(self, where: str, name: str, *causalities: str) -> dict[str, Variable]:
+        """The variable of that name in every component that has it, by component."""
+        of_kind = {
+            component: {v.name: v for v in self.components[component].variables.values() if v.causality in causalities}
+            for component in self.components
+        }
+        found = {component: variables[name] for component, variables in of_kind.items() if name in variables}
+        if not found:
+            known = list(dict.fromkeys(known for variables in of_kind.values() for known in variables))
+            kind = " or ".join(causalities)
+            raise ScenarioError(f'{where}: "{name}" is no {kind} of any FMU; {alternatives(name, known)}')
+        return found
+
+    def instance(self, where: str, component: str, sweep: Mapping[str, Any]) -> Instance:
+        """The one instance of a component that belongs to those values of a sweep."""
+        found = [instance for instance in self.instances[component] if agree(sweep, instance.sweep)]
+        if len(found) != 1:
+            raise ScenarioError(
+                f"{where}: {len(found)} instances of {component} belong to one with {sweep_text(sweep) or 'no each'}; "
+                "give both components the same each"
+            )
+        return found[0]
+
+    def combinations(self, components: Iterable[str]) -> list[dict[str, Instance]]:
+        """The instances of several components that belong together, by component."""
+        found: list[dict[str, Instance]] = [{}]
+        for component in components:
+            found = [
+                {**chosen, component: instance}
+                for chosen in found
+                for instance in self.instances[component]
+                if all(agree(other.sweep, instance.sweep) for other in chosen.values())
+            ]
+        return found
+
+
+def instances_of(scenario: Scenario, name: str) -> Iterable[Instance]:
+    each = scenario.fmu[name].each if name in scenario.fmu else {}
+    return (Instance(name, dict(zip(each, values, strict=True))) for values in product(*each.values()))
+
+
+def split(where: str, reference: str) -> tuple[str, str]:
+    """`plant.delta` as component and variable."""
+    component, _, name = reference.partition(".")
+    if not name:
+        raise ScenarioError(f'{where}: "{reference}" is not the name of a variable; write "component.variable"')
+    return component, name
+
+
+def substituted(where: str, value: Any, sweep: Mapping[str, Any]) -> Any:
+    """The text "{gamma}" is the value of the sweep itself; within a longer text it is filled in."""
+    if not isinstance(value, str):
+        return value
+    try:
+        if value.startswith("{") and value[1:-1] in sweep:
+            return sweep[value[1:-1]]
+        return value.format(**sweep)
+    except (KeyError, IndexError, ValueError):
+        known = alternatives(value, list(sweep))
+        raise ScenarioError(f'{where}: "{value}" asks for what is not in each; {known}') from None
+
+
+def number(where: str, variable: Variable, value: Any) -> float:
+    """A value as an FMU takes it; an item of an enumeration may be given by its name."""
+    if variable.items:
+        allowed, good = alternatives(str(value), list(variable.items)), value in variable.items
+        value = variable.items.get(value, value)
+    elif variable.type == "Boolean":
+        allowed, good = "write true or false", isinstance(value, bool)
+    elif variable.type == "Integer":
+        allowed, good = "write a whole number", type(value) is int
+    else:
+        unit = "" if variable.unit == "1" else f" of {variable.unit}"
+        allowed, good = f"write a number{unit}", type(value) in (int, float)
+    if not good:
+        raise ScenarioError(f"{where}: {variable.name} = {value!r} is not allowed; {allowed}")
+    return value

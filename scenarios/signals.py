@@ -1,0 +1,53 @@
+"""The errors and variables that a scenario looks at: in its table, its figures and its expectations."""
+
+from collections.abc import Iterable
+
+from .errors import ScenarioError, alternatives
+from .expression import parse
+from .lookup import Lookup, split
+from .plan import Plan, Signal, Source, sweep_text
+from .scenario import Scenario
+
+
+def signals(scenario: Scenario, lookup: Lookup) -> dict[str, list[Signal]]:
+    """By name: one signal for each combination of instances that belong together. Raises ScenarioError."""
+    found = {name: list(signals_of(scenario, lookup, where, name)) for name, where in wanted(scenario).items()}
+    plan = Plan(scenario, lookup.components, [], [], found)
+    for expect in scenario.expect:
+        for name in expect.references:
+            if not plan.expected(expect, name):
+                known = "; ".join(sweep_text(signal.sweep) for signal in found[name])
+                asked = sweep_text(expect.each)
+                raise ScenarioError(f"expect: {name} has no instance with {asked}; known: {known or 'none'}")
+    return found
+
+
+def wanted(scenario: Scenario) -> dict[str, str]:
+    """Every name of an error or a variable, and where the scenario uses it."""
+    used = {name: f"error.{name}" for name in scenario.error}
+    for figure in scenario.figure:
+        used.update(
+            {name: f"figure {figure.name}" for panel in figure.panel for name in panel.curves if name not in used}
+        )
+    for expect in scenario.expect:
+        used.update({name: "expect" for name in expect.references if name not in used})
+    return used
+
+
+def signals_of(scenario: Scenario, lookup: Lookup, where: str, name: str) -> Iterable[Signal]:
+    if name not in scenario.error and not all(part.isidentifier() for part in name.split(".")):
+        raise ScenarioError(f'{where}: "{name}" is not a name; name it in [error], and use that name here')
+    if name not in scenario.error and "." not in name:
+        known = alternatives(name, list(scenario.error))
+        raise ScenarioError(f'{where}: there is no error "{name}"; {known} (a variable is "component.variable")')
+    expression = scenario.error.get(name) or parse(name)
+    references = {reference: split(where, reference) for reference in sorted(expression.names)}
+    units = {r: lookup.variable(where, component, variable).unit for r, (component, variable) in references.items()}
+    try:
+        unit = expression.unit(units)
+    except ValueError as error:
+        raise ScenarioError(f"{where}: {error}") from error
+    for chosen in lookup.combinations(sorted({component for component, _ in references.values()})):
+        sweep = {key: value for instance in chosen.values() for key, value in instance.sweep.items()}
+        sources = {r: Source(chosen[component], variable) for r, (component, variable) in references.items()}
+        yield Signal(name, sweep, unit, expression, sources)

@@ -1,0 +1,121 @@
+"""From a scenario to a plan. Every name, value and unit in the scenario is checked here, before anything runs."""
+
+from collections.abc import Iterable, Mapping
+
+from . import scenario as toml
+from .component import Component, Variable
+from .errors import ScenarioError
+from .lookup import Lookup, number, split, substituted
+from .plan import Change, Instance, Plan, Source
+from .scenario import Scenario
+from .signals import signals
+
+
+def wire(scenario: Scenario, components: Mapping[str, Component]) -> Plan:
+    """Raises ScenarioError for a name, a value or a unit that does not fit."""
+    lookup = Lookup(scenario, components)
+    instances = [instance for group in lookup.instances.values() for instance in group]
+    set_parameters(scenario, lookup)
+    connect(scenario, lookup)
+    set_inputs(scenario, lookup)
+    changes = [change for given in scenario.change for change in changes_of(scenario, lookup, given)]
+    changes.sort(key=lambda change: change.point)
+    plan = Plan(scenario, components, instances, changes, signals(scenario, lookup))
+    links = [source for instance in instances for source in instance.links.values()]
+    for source in links + [s for group in plan.signals.values() for signal in group for s in signal.sources.values()]:
+        source.instance.watched.add(source.variable)
+    return plan
+
+
+def set_parameters(scenario: Scenario, lookup: Lookup) -> None:
+    """[parameters] for every FMU that has a parameter of the name, then those of each FMU."""
+    for name, value in scenario.parameters.items():
+        for component, variable in lookup.fmus_with("parameters", name, "parameter").items():
+            for instance in lookup.instances[component]:
+                instance.parameters[name] = number("parameters", variable, value)
+    for component, fmu in scenario.fmu.items():
+        where = f"fmu.{component}.parameters"
+        for name, value in fmu.parameters.items():
+            variable = lookup.variable(where, component, name, "parameter")
+            for instance in lookup.instances[component]:
+                instance.parameters[name] = number(where, variable, substituted(where, value, instance.sweep))
+
+
+def set_inputs(scenario: Scenario, lookup: Lookup) -> None:
+    """[inputs] for every FMU that has an input of the name and is not connected there, then those of each FMU."""
+    for name, value in scenario.inputs.items():
+        for component, variable in lookup.fmus_with("inputs", name, "input").items():
+            for instance in lookup.instances[component]:
+                if name not in instance.links:
+                    instance.inputs[name] = number("inputs", variable, value)
+    for component, fmu in scenario.fmu.items():
+        where = f"fmu.{component}.inputs"
+        for name, value in fmu.inputs.items():
+            variable = lookup.variable(where, component, name, "input")
+            for instance in lookup.instances[component]:
+                if name in instance.links:
+                    raise ScenarioError(f"{where}: {name} is connected; remove it here or in [connect]")
+                instance.inputs[name] = number(where, variable, substituted(where, value, instance.sweep))
+
+
+def connect(scenario: Scenario, lookup: Lookup) -> None:
+    """ "observer.E_f" = "plant.E_f_start": one input. observer = "plant": all inputs that plant has outputs of the same
+    name for. observer = "grid.G1.*": the same with a prefix, V_t from G1.V_t."""
+    for target, source in scenario.connect.items():
+        where = f'connect "{target}" = "{source}"'
+        component, _, name = target.partition(".")
+        lookup.component(where, component)
+        for instance in lookup.instances[component]:
+            chosen = substituted(where, source, instance.sweep)
+            if name:
+                link(lookup, where, instance, name, *split(where, chosen))
+            else:
+                link_all(lookup, where, instance, *chosen.removesuffix("*").partition(".")[::2])
+
+
+def link_all(lookup: Lookup, where: str, instance: Instance, component: str, prefix: str) -> None:
+    inputs = [v.name for v in lookup.components[instance.component].variables.values() if v.causality == "input"]
+    outputs = [v.name for v in lookup.component(where, component).variables.values() if v.causality == "output"]
+    shared = [name for name in inputs if prefix + name in outputs]
+    if not shared:
+        raise ScenarioError(
+            f"{where}: no output of {component} has the name of an input of {instance.component}; connect one by one.\n"
+            f"  inputs of {instance.component}: {', '.join(inputs)}\n  outputs of {component}: {', '.join(outputs)}"
+        )
+    for name in shared:
+        link(lookup, where, instance, name, component, prefix + name)
+
+
+def link(lookup: Lookup, where: str, instance: Instance, name: str, component: str, output: str) -> None:
+    target = lookup.variable(where, instance.component, name, "input")
+    source = lookup.variable(where, component, output, "output")
+    if source.unit != target.unit:
+        units = f"{component}.{output} is in {source.unit}, {instance.component}.{name} in {target.unit}"
+        raise ScenarioError(f"{where}: {units}; convert one of them")
+    if name in instance.links:
+        raise ScenarioError(f"{where}: {instance.component}.{name} is connected already; remove one connection")
+    instance.links[name] = Source(lookup.instance(where, component, instance.sweep), output)
+
+
+def changes_of(scenario: Scenario, lookup: Lookup, change: toml.Change) -> Iterable[Change]:
+    where = f"change at {float(change.at):g} s"
+    for name, value in change.set.items():
+        for component, variable in changed(lookup, where, name):
+            if variable.causality == "parameter" and variable.variability != "tunable":
+                raise ScenarioError(
+                    f"{where}: {component}.{variable.name} is a {variable.variability} parameter; "
+                    "only inputs and tunable parameters can change during a run"
+                )
+            for instance in lookup.instances[component]:
+                if variable.name in instance.links:
+                    raise ScenarioError(f"{where}: {component}.{variable.name} is connected; change what feeds it")
+                new = number(where, variable, substituted(where, value, instance.sweep))
+                yield Change(scenario.index(change.at), instance, {variable.name: new})
+
+
+def changed(lookup: Lookup, where: str, name: str) -> list[tuple[str, Variable]]:
+    """`observer.k_speed` is that of one FMU, `P_m` that of every FMU that has it."""
+    component, _, own = name.partition(".")
+    if component in lookup.components:
+        return [(component, lookup.variable(where, component, own, "input", "parameter"))]
+    return list(lookup.fmus_with(where, name, "input", "parameter").items())

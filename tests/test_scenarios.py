@@ -1,0 +1,174 @@
+"""Every scenario holds what it expects, and the master does what the scenario format says."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenarios import loader, master, study
+from scenarios.__main__ import main
+
+PAPER = """
+title = "The paper's case"
+step = 0.02
+stop = 1.0
+inputs = { P_m = 0.1, E_f = 0.1 }
+fmu.plant.model = "SmibPlant"
+fmu.observer.model = "PmuObserver"
+connect.observer = "plant"
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Runs the text of a scenario file, and returns `values(reference)`: one row of values an instance."""
+
+    def run(text: str):
+        path = tmp_path / "test.toml"
+        path.write_text(text)
+        with study.prepared(loader.load(str(path))) as plan:
+            results = master.run(plan)
+        return lambda reference: np.array([results.of(signal) for signal in plan.signals[reference]])
+
+    return run
+
+
+def watched(*variables: str) -> str:
+    panels = ", ".join(f'{{ curves = "{variable}" }}' for variable in variables)
+    return f'figure = [{{ name = "all", title = "all", panel = [{panels}] }}]\n'
+
+
+@pytest.mark.parametrize("name", loader.names())
+def test_scenario_holds(name, tmp_path):
+    scenario = loader.load(name)
+    results, verdicts = study.run(scenario, tmp_path)
+    assert verdicts
+    assert not [verdict for verdict in verdicts if not verdict.holds]
+
+    lines = [line for line in (tmp_path / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
+    header = next(csv.reader(lines[:1]))
+    assert header[0] == "time" and len(set(header)) == len(header)
+    assert len(lines) == scenario.stop / scenario.step + 2  # the header, and the start
+    assert all(np.isfinite(values).all() for of_one in results.values.values() for values in of_one.values())
+    assert {path.stem for path in tmp_path.glob("*.png")} == {figure.name for figure in scenario.figure}
+    assert json.loads((tmp_path / "summary.json").read_text())["holds"]
+
+
+def test_first_frames_are_exchanged_during_initialisation(run):
+    """At t = 0 the plant is at the equilibrium of the field voltage it asked for; the observer has seen its frame."""
+    connected = PAPER.replace(
+        'connect.observer = "plant"',
+        'connect = { observer = "plant", "plant.E_f" = "plant.E_f_start", "observer.E_f" = "plant.E_f_start" }',
+    )
+    text = connected + watched("plant.delta", "plant.e1q", "plant.E_f_start", "observer.status", "observer.load_angle")
+    values = run(text + 'fmu.plant.parameters = { start_mode = "P_m_V_t", V_t_start = 1.02, x_line = 0.3 }\n')
+    for variable in ("plant.delta", "plant.e1q"):
+        assert np.ptp(values(variable)) < 1e-9  # the equilibrium's own accuracy is 1e-6 a second
+    assert values("plant.E_f_start")[0, 0] > 1.0  # not the start value, 0.1
+    assert values("observer.status")[0, 0] == 2  # tracking
+
+
+def test_the_record_of_a_plant_is_as_good_as_the_plant(run, tmp_path):
+    """Bit for bit: the observer gets the frame of time t for its step from t, whoever it comes from."""
+    frame = ("V_t", "theta_t", "I_t", "phi_t", "P_t", "Q_t")
+    estimates = tuple(f"observer.{name}" for name in ("delta", "omega", "e1d", "e1q"))
+    values = run(PAPER + watched(*estimates, *[f"plant.{name}" for name in frame]))
+    time = np.arange(51) / 50
+    columns = [time] + [values(f"plant.{name}")[0] for name in frame]
+    lines = ["# a comment", ",".join(("t", *frame))] + [
+        ",".join(map(repr, row)) for row in np.array(columns).T.tolist()
+    ]
+    (tmp_path / "record.csv").write_text("\n".join(lines))
+    units = dict(zip(frame, ("pu", "rad", "pu", "rad", "pu", "pu"), strict=True))
+    table = "csv.plant.columns = { " + ", ".join(f'{n} = "{n} [{unit}]"' for n, unit in units.items()) + " }\n"
+    recorded = PAPER.replace(
+        'fmu.plant.model = "SmibPlant"\n', 'csv.plant.file = "record.csv"\ncsv.plant.time = "t [s]"\n'
+    )
+    from_record = run(recorded + table + watched(*estimates))
+    for name in estimates:
+        np.testing.assert_array_equal(from_record(name), values(name))
+
+
+def test_changes_of_inputs_and_tunable_parameters(run):
+    """With x_line = 0 the terminal is the infinite bus: V_t shows when V_inf changed. A gain of zero stops theta."""
+    parameters = 'fmu.observer.parameters = { estimator = "drem", drem.gamma = 1e18 }\n'
+    changes = "change = [{ at = 0.5, set = { V_inf = 0.9 } }, { at = 0.9, set = { observer.drem.gamma = 0.0 } }]\n"
+    values = run(PAPER + parameters + changes + watched("plant.V_t", "observer.drem.theta1"))
+    voltage, theta = values("plant.V_t")[0], values("observer.drem.theta1")[0]
+    np.testing.assert_allclose(voltage, np.where(np.arange(51) < 26, 1.0, 0.9), atol=1e-12)
+    assert np.ptp(theta[40:45]) > 0
+    assert np.ptp(theta[45:]) == 0
+
+
+def test_instances_of_a_sweep_are_fed_by_those_that_sweep_the_same(run):
+    """Two plants and, for each, two observers; x_line = 0, so that each observer shows the V_inf of its plant."""
+    sweep = """
+    fmu.plant.each.V = [0.9, 1.1]
+    fmu.plant.inputs.V_inf = "{V}"
+    fmu.observer.each.V = [0.9, 1.1]
+    fmu.observer.each.k = [10.0, 20.0]
+    fmu.observer.parameters.k_speed = "{k}"
+    fmu.observer.parameters.frame_period = 0.0
+    """
+    text = (
+        PAPER.replace("stop = 1.0", "stop = 0.1")
+        + sweep
+        + 'error.load_angle = "observer.load_angle - plant.load_angle"'
+    )
+    values = run(text)
+    same_plant = values("load_angle").reshape(2, 2, -1)
+    np.testing.assert_array_equal(same_plant[:, 0], same_plant[:, 1])  # load_angle does not depend on k_speed
+    assert not np.array_equal(same_plant[0], same_plant[1])
+
+
+def test_prefixed_outputs(tmp_path):
+    """observer = "grid.G2.*" takes V_t from G2.V_t: the pattern for many machines in one FMU."""
+    columns = ", ".join(f'{machine}.V_t = "{machine} [pu]"' for machine in ("G1", "G2"))
+    (tmp_path / "grid.csv").write_text("t,G1,G2\n0,1.0,1.1\n1,1.0,1.1\n")
+    (tmp_path / "test.toml").write_text(f"""
+    title = "Two machines"
+    step = 0.5
+    stop = 1.0
+    csv.grid = {{ file = "grid.csv", time = "t [s]", columns = {{ {columns} }} }}
+    fmu.observer = {{ model = "PmuObserver", each.machine = ["G1", "G2"] }}
+    connect.observer = "grid.{{machine}}.*"
+    """)
+    with study.prepared(loader.load(str(tmp_path / "test.toml"))) as plan:
+        linked = [i.links["V_t"].variable for i in plan.instances if i.component == "observer"]
+    assert linked == ["G1.V_t", "G2.V_t"]
+
+
+def test_times_do_not_drift():
+    scenario = loader.load("smib_revolutions")
+    assert scenario.time(3600) == 60.0
+    assert scenario.time(1) == 1 / 60
+
+
+def test_exit_codes(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("scenarios.__main__.RESULTS", tmp_path)
+    path = tmp_path / "test.toml"
+    expect = 'error.e1d = "observer.e1d - plant.e1d"\nexpect = [{ error = "e1d", at = 1.0, LIMIT = 10.0 }]\n'
+    for limit, code in (("below", 0), ("above", 1), ("under", 2)):
+        path.write_text(PAPER + expect.replace("LIMIT", limit))
+        assert main(["run", str(path)]) == code
+    assert "expect.0.under is not known" in capsys.readouterr().err
+    assert main(["list"]) == 0 and main(["show", "record_g6"]) == 0
+    shown = capsys.readouterr().out
+    assert "paper_drem" in shown and "E_f <- record.E_f" in shown
+    assert main(["run", "paper_drm"]) == 2
+    assert 'did you mean "paper_drem"?' in capsys.readouterr().err
+    with pytest.raises(SystemExit) as exit_:
+        main(["walk"])
+    assert exit_.value.code == 2
+
+
+def test_results_fit_100_columns(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("scenarios.__main__.RESULTS", Path("results"))
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "record_g6"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert not [line for line in lines if "…" in line]
