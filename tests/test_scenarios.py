@@ -67,7 +67,7 @@ def test_first_frames_are_exchanged_during_initialisation(run):
     for variable in ("plant.delta", "plant.e1q"):
         assert np.ptp(values(variable)) < 1e-9  # the equilibrium's own accuracy is 1e-6 a second
     assert values("plant.E_f_start")[0, 0] > 1.0  # not the start value, 0.1
-    assert values("observer.status")[0, 0] == 2  # tracking
+    assert values("observer.status")[0, 0] > 0  # not waiting for a first frame
 
 
 def test_the_record_of_a_plant_is_as_good_as_the_plant(run, tmp_path):
