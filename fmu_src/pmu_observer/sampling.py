@@ -46,13 +46,14 @@ def change(before: Signals, after: Signals) -> Change:
 def jump(xp, s: Signals, now: Change, last: Change) -> Change:
     """The part of a change that is neither noise nor the going on of the last one: a fault, its clearing, a switching.
 
-    |jump|^2 = min(|dnu|^2, |d2nu|^2) where that is beyond 32 variances of nu's noise (a second difference has 6). E_f
-    has no noise.
+    |jump|^2 = min(|dnu|^2, |d2nu|^2), if |dnu|^2 and |d2nu|^2/3 are beyond 28 variances of nu's noise; they have 2, so
+    that noise alone gets there once in a million frames. E_f has no noise.
     """
     size2 = now.nu.re * now.nu.re + now.nu.im * now.nu.im
     bend_re, bend_im = now.nu.re - last.nu.re, now.nu.im - last.nu.im
-    jump2 = xp.minimum(size2, bend_re * bend_re + bend_im * bend_im)
-    jumped = jump2 > 32 * noise.of_nu(s) + 1e-6
+    bend2 = bend_re * bend_re + bend_im * bend_im
+    jump2 = xp.minimum(size2, bend2)
+    jumped = xp.minimum(size2, bend2 / 3) > 28 * noise.of_nu(s) + 1e-6
     scale = xp.where(jumped, xp.sqrt(jump2 / xp.maximum(size2, 1e-12)), 0.0)
 
     def smaller(change, last_change):

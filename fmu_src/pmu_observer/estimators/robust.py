@@ -30,7 +30,7 @@ EXCITER_AFTER_JUMP = 5.0, 0.5
 """WALK_TRACKER is this many times larger for so many s after a jump of the network."""
 
 LEAST_AGE, SUPERVISED_AGE, GREATEST_AGE, REST = 0.1, 0.25, 5.0, 0.5
-"""s: no capture before, the end of a supervision after capture, and in any case; the rest before the next one."""
+"""s: no capture before, the end of a supervision once captured, and in any case; the rest before the next one."""
 
 CAPTURE_SPREAD, RIVAL_DISTANCE, RIVAL_LEAD = 0.03, 0.1, 12.5
 """Captured: the mixture's standard deviation is below 0.03 |E'|, and the best hypothesis leads all that are farther
@@ -188,7 +188,7 @@ def supervise(xp, c, before: Supervision, tracker: Gaussian, tracking, s, t, wal
     replaces = xp.logical_or(xp.logical_not(tracking), takeover)
 
     done = xp.logical_and(captured, before.age > SUPERVISED_AGE)
-    again = xp.logical_or(takeover, before.age >= GREATEST_AGE)
+    again = xp.logical_or(takeover, xp.logical_and(tracking, before.age >= GREATEST_AGE))
     return Verdict(
         Supervision(
             Bank(*[v._replace(score=v.score - best) for v in bank]),

@@ -18,8 +18,8 @@ from ..phasors import Signals
 from ..sampling import Interval
 from . import Rotor, RotorCovariance
 
-ACCELERATION_WALK = 0.47
-"""rad/s^2/sqrt(s) of b0 P_m: 0.01 pu/sqrt(s) for a machine of H = 4 s on its own base, at 60 Hz."""
+ACCELERATION_WALK = 0.12
+"""rad/s^2/sqrt(s) of b0 P_m: 0.0025 pu/sqrt(s) for a machine of H = 4 s on its own base, at 60 Hz."""
 
 ACCELERATION_START = 14.0
 """rad/s^2, standard deviation of b0 (P_m - P) at the first frame: 0.3 pu for the same machine."""

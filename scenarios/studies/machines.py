@@ -1,0 +1,148 @@
+"""Machines to observe: random ones behind a line, and generator 6 of the IEEE 39-bus system behind a line with a fault."""
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from fmu_src.pmu_observer.carriers import arrays
+from fmu_src.pmu_observer.machine import TwoAxisMachine, ieee39_g6
+from fmu_src.pmu_observer.plants import smib
+
+from .frames import PERIOD, Truth
+
+SUBSTEPS = 8
+"""Steps of the plant between two frames, at most 2.1 ms."""
+
+
+class Range(NamedTuple):
+    low: float
+    high: float
+    logarithmic: bool = False
+
+
+RANGES = {
+    "H [s]": Range(2.0, 10.0),
+    "D [pu/pu]": Range(0.0, 2.0),
+    "x' [pu]": Range(0.1, 0.57),
+    "xd - x' [pu]": Range(0.4, 1.8),
+    "xq/xd": Range(0.6, 1.0),
+    "T'd0 [s]": Range(3.0, 10.0),
+    "T'q0 [s]": Range(0.03, 2.0, logarithmic=True),
+    "x_line [pu]": Range(0.1, 0.4),
+    "P [pu]": Range(0.0, 0.95),
+    "Q [pu]": Range(-0.35, 0.6),
+    "V_t [pu]": Range(0.95, 1.05),
+    "initial error of delta [rad]": Range(-0.2, 0.2),
+    "initial error of omega [rad/s]": Range(-1.0, 1.0),
+    "initial error of E'd [pu]": Range(-0.1, 0.1),
+    "initial error of E'q [pu]": Range(-0.1, 0.1),
+}
+"""Random machines, pu on their own base: uniform, or uniform in the logarithm. x'd = x'q = x'."""
+
+
+class Machines(NamedTuple):
+    parameters: smib.Parameters
+    inputs: smib.Inputs
+
+
+def random_machines(count: int, rng: np.random.Generator) -> Machines:
+    """From RANGES: each at an equilibrium for its P, Q and V_t, moved away from it by the initial errors.
+
+    Nearly unstable points (x_line such that the rotor is beyond 100 degrees from the infinite bus) are drawn again.
+    """
+    kept: list[dict] = []
+    found = 0
+    while found < count:
+        draw = {name: drawn(rng, r, count) for name, r in RANGES.items()}
+        good = rotor_angle_from_bus(draw) < np.radians(100)
+        kept.append({name: values[good] for name, values in draw.items()})
+        found += int(good.sum())
+    draw = {name: np.concatenate([k[name] for k in kept])[:count] for name in RANGES}
+    V, I, x = draw["V_t [pu]"] + 0j, current(draw), draw["x' [pu]"]  # noqa: E741
+    xd = x + draw["xd - x' [pu]"]
+    xq = np.maximum(draw["xq/xd"] * xd, x)
+    m = TwoAxisMachine(
+        H=draw["H [s]"],
+        D=draw["D [pu/pu]"] / (2 * pi * 60),
+        xd=xd,
+        xd1=x,
+        xq=xq,
+        xq1=x,
+        Td10=draw["T'd0 [s]"],
+        Tq10=draw["T'q0 [s]"],
+        Ra=0.0,
+        omega_s=2 * pi * 60,
+    )
+    bus = V - 1j * draw["x_line [pu]"] * I
+    delta = np.angle(V + 1j * xq * I)
+    axes = 1j * I * np.exp(-1j * delta)  # Id + j Iq
+    E = 1j * (V + 1j * x * I) * np.exp(-1j * delta)  # E'd + j E'q
+    parameters = smib.Parameters(
+        machine=m,
+        x_line=draw["x_line [pu]"],
+        start_mode=smib.STATES,
+        delta_start=delta + draw["initial error of delta [rad]"],
+        omega_start=draw["initial error of omega [rad/s]"],
+        e1d_start=E.real + draw["initial error of E'd [pu]"],
+        e1q_start=E.imag + draw["initial error of E'q [pu]"],
+    )
+    inputs = smib.Inputs(
+        P_m=draw["P [pu]"],
+        E_f=E.imag + (xd - x) * axes.real,
+        V_inf=np.abs(bus),
+        theta_inf=np.angle(bus),
+    )
+    return Machines(parameters, inputs)
+
+
+def drawn(rng, r: Range, count: int):
+    if r.logarithmic:
+        return np.exp(rng.uniform(np.log(r.low), np.log(r.high), count))
+    return rng.uniform(r.low, r.high, count)
+
+
+def current(draw):
+    return np.conj((draw["P [pu]"] + 1j * draw["Q [pu]"]) / draw["V_t [pu]"])
+
+
+def rotor_angle_from_bus(draw):
+    x = draw["x' [pu]"]
+    xq = np.maximum(draw["xq/xd"] * (x + draw["xd - x' [pu]"]), x)
+    I = current(draw)  # noqa: E741
+    V = draw["V_t [pu]"]
+    return np.angle((V + 1j * xq * I) / (V - 1j * draw["x_line [pu]"] * I))
+
+
+def simulate(machines: Machines, seconds: float, *, inputs=None, state=None) -> Truth:
+    """Frames of a plant. `inputs(t, outputs)` gives the plant's inputs at t, if they are not constant."""
+    p, u = machines
+    state, outputs = smib.start(arrays, p, u, 0.0)
+    h = PERIOD / SUBSTEPS
+    rows = [row(outputs, u)]
+    for k in range(round(seconds / PERIOD)):
+        for i in range(SUBSTEPS):
+            t = k * PERIOD + i * h
+            if inputs:
+                u = inputs(t, outputs)
+            state, outputs = smib.step(arrays, p, state, u, t, h)
+        rows.append(row(outputs, u))
+    V, I, *rest = [np.array(column) for column in zip(*rows, strict=True)]  # noqa: E741
+    return Truth(p.machine, V, I, *rest)
+
+
+def row(o: smib.Outputs, u: smib.Inputs):
+    f = o.frame
+    shape = np.shape(o.delta)
+    P_m, E_f = np.broadcast_to(u.P_m, shape), np.broadcast_to(u.E_f, shape)
+    return f.V_t * np.exp(1j * f.theta_t), f.I_t * np.exp(1j * f.phi_t), P_m, E_f, o.delta, o.omega, o.e1d, o.e1q
+
+
+def g6_behind_line(**parameters) -> Machines:
+    """P_m = 6.5 and V_t = 1.05 on 100 MVA, as in scenarios/smib_fault.toml."""
+    p = smib.Parameters(
+        machine=ieee39_g6()._replace(D=0.05), x_line=0.03, start_mode=smib.P_M_V_T, V_t_start=1.05, **parameters
+    )
+    u = smib.Inputs(P_m=6.5)
+    _, outputs = smib.start(arrays, p, u, 0.0)
+    return Machines(p, u._replace(E_f=outputs.E_f_start))
