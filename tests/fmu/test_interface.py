@@ -69,7 +69,11 @@ def test_names_of_the_contract(dist, name):
 def test_every_real_has_a_unit_or_is_a_number(dist, name):
     description = read_model_description(dist / "python" / f"{name}.fmu")
     without = {v.name for v in description.modelVariables if v.type == "Real" and v.unit is None}
-    expected = {v for v in without if v.startswith("overparameterised.") or v in ("drem.Delta", "tve", "innovation")}
+    expected = {
+        v
+        for v in without
+        if v.startswith("overparameterised.") or v in ("drem.Delta", "tve", "innovation", "load_sigma")
+    }
     assert without == expected
 
 
@@ -110,7 +114,7 @@ def test_start_values_read_back_as_the_same_number(dist, name):
     with zipfile.ZipFile(dist / "python" / f"{name}.fmu") as fmu:
         xml = fmu.read("modelDescription.xml").decode()
     step_size = re.search(r'stepSize="([^"]*)"', xml)
-    assert step_size and float(step_size[1]) == {"PmuObserver": 1 / 60, "SmibPlant": 1e-3}[name]
+    assert step_size and float(step_size[1]) == {"PmuObserver": 1 / 60, "SmibPlant": 1e-3, "Ieee39Plant": 1 / 60}[name]
 
 
 @pytest.mark.parametrize("name", CONTRACT)
