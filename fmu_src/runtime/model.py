@@ -39,6 +39,8 @@ class Model(NamedTuple):
     """rules(xp, parameters, inputs): what must hold at the start of values that are each in range."""
     input_variability: str = "continuous"
     """`discrete` for frames, which must not be interpolated."""
+    feedthrough: bool = False
+    """The outputs at the end of a step show the inputs of that instant: a master sets those, then steps the FMU."""
     max_step: float = inf
     """s; the runtime divides longer communication steps."""
     step_size: float = 1e-2

@@ -60,7 +60,7 @@ def model_description(model: Model, guid: str, capabilities: dict, source_files:
     model_variables = SubElement(root, "ModelVariables")
     for reference, port in enumerate(all_ports):
         scalar_variable(model_variables, reference, port)
-    model_structure(root, all_ports)
+    model_structure(root, all_ports, model.feedthrough)
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
 
@@ -134,11 +134,12 @@ def scalar_variable(parent: Element, reference: int, port: Port) -> None:
     SubElement(element, type(specification).__name__, attributes)
 
 
-def model_structure(root: Element, all_ports: List[Port]) -> None:
-    """Outputs change in doStep only: none depends on an input of its own instant. Initially they depend on all."""
+def model_structure(root: Element, all_ports: List[Port], feedthrough: bool) -> None:
+    """Without feedthrough no output depends on an input of its own instant. Initially, all depend on all."""
     structure = SubElement(root, "ModelStructure")
     outputs = [str(index) for index, port in enumerate(all_ports, 1) if port.causality == "output"]
     in_step_mode, initially = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    none = {} if feedthrough else {"dependencies": ""}  # without the attribute: on all inputs
     for index in outputs:
-        SubElement(in_step_mode, "Unknown", index=index, dependencies="")
+        SubElement(in_step_mode, "Unknown", {"index": index, **none})
         SubElement(initially, "Unknown", index=index)

@@ -10,7 +10,7 @@ import pytest
 import build_fmu
 
 
-@pytest.mark.parametrize("name", ["PmuObserver", "SmibPlant"])
+@pytest.mark.parametrize("name", ["PmuObserver", "PmuChannel", "SmibPlant"])
 def test_the_same_sources_give_the_same_bytes(dist, tmp_path, name):
     again = build_fmu.build(name, tmp_path)
     assert again.read_bytes() == (dist / "python" / f"{name}.fmu").read_bytes()
@@ -23,7 +23,7 @@ def test_an_fmu_that_is_up_to_date_is_left_alone(tmp_path):
     assert path.stat().st_mtime_ns == before
 
 
-@pytest.mark.parametrize("name", ["PmuObserver", "SmibPlant"])
+@pytest.mark.parametrize("name", ["PmuObserver", "PmuChannel", "SmibPlant"])
 def test_the_slave_imports_without_site_packages(dist, tmp_path, name):
     """In an interpreter that sees nothing but the standard library (-S) and the FMU's resources."""
     with zipfile.ZipFile(dist / "python" / f"{name}.fmu") as fmu:
