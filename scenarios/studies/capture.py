@@ -36,8 +36,17 @@ def main() -> None:
         ranges.add_row(escape(name), f"{r.low:g}", f"{r.high:g}{' (logarithmic)' if r.logarithmic else ''}")
     console.print(ranges)
 
-    table = Table(title=f"{arguments.machines} machines, TVE {arguments.tve:.1%}: share captured (tracking, error < 0.1)")
-    for column in ("", *[f"{t:g} s" for t in TIMES], "wrong at capture", "wrong 1 s later", "wrong at 5 s", "worst right"):
+    table = Table(
+        title=f"{arguments.machines} machines, TVE {arguments.tve:.1%}: share captured (tracking, error < 0.1)"
+    )
+    for column in (
+        "",
+        *[f"{t:g} s" for t in TIMES],
+        "wrong at capture",
+        "wrong 1 s later",
+        "wrong at 5 s",
+        "worst right",
+    ):
         table.add_column(column, no_wrap=True)
     failures = Table(title="failures")
     for column in ("", "machine", "captured at", "right from", "error at 5 s", "P", "Q", "x'", "T'q0"):

@@ -17,7 +17,9 @@ CASES = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(
-        prog="python -m scenarios.studies.noise", description=__doc__, formatter_class=argparse.ArgumentDefaultsHelpFormatter
+        prog="python -m scenarios.studies.noise",
+        description=__doc__,
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     parser.add_argument("--seeds", type=int, default=100, help="noise seeds")
     parser.add_argument("--record", default=frames.RECORD_G6, help="file in scenarios/data")

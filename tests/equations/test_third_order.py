@@ -27,7 +27,9 @@ def rates(t, state):
 
 @pytest.fixture(scope="module")
 def trajectory():
-    return solve_ivp(rates, (0, 3), [0.1, 0.0, 1.0], method="DOP853", rtol=1e-10, atol=1e-12, t_eval=np.linspace(0, 3, 61))
+    return solve_ivp(
+        rates, (0, 3), [0.1, 0.0, 1.0], method="DOP853", rtol=1e-10, atol=1e-12, t_eval=np.linspace(0, 3, 61)
+    )
 
 
 def test_the_trajectory_goes_round(trajectory):
