@@ -1,4 +1,4 @@
-"""python -m scenarios run NAME... | list | show NAME"""
+"""python -m scenarios run NAME... | list | show NAME | readme"""
 
 import argparse
 import sys
@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from . import loader, report, study
+from . import loader, readme, report, study
 from .errors import ScenarioError
 from .plan import Plan, value_text
 from .scenario import Scenario
@@ -42,8 +42,9 @@ def main(arguments: list[str] | None = None) -> int:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    commands = parser.add_subparsers(dest="command", required=True, metavar="run | list | show")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="run | list | show | readme")
     commands.add_parser("list", help="list the scenarios")
+    commands.add_parser("readme", help="write what all runs in results/ have measured into README.md")
     for name, text in (("run", "run scenarios"), ("show", "show what scenarios connect to what, without running them")):
         command = commands.add_parser(name, help=text, description=f"{text.capitalize()}.")
         command.add_argument("names", nargs="+", metavar="NAME", help="a scenario's name (see list), or a .toml file")
@@ -52,6 +53,9 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if chosen.command == "list":
             show_list(console)
+            return 0
+        if chosen.command == "readme":
+            readme.update(RESULTS)
             return 0
         scenarios = [loader.load(name) for name in chosen.names]
         if chosen.command == "show":

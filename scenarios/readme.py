@@ -1,0 +1,58 @@
+"""The README's results and figures, from what the runs have written into results/."""
+
+import json
+import shutil
+from pathlib import Path
+
+from . import loader
+from .errors import ScenarioError
+from .plan import sweep_text
+
+README = Path(__file__).parents[1] / "README.md"
+GALLERY = Path(__file__).parent / "gallery"
+BEGIN, END = "<!-- results: begin -->\n", "<!-- results: end -->"
+
+FIGURES = {"paper_drem": "states", "record_g6": "states", "smib_fault": "states"}
+"""Scenario and figure: those that the README shows, as gallery/<scenario>.png."""
+
+
+def update(results: Path) -> None:
+    """Write the table of expectations and copy the figures. ScenarioError for a scenario without a run."""
+    rows = ["| scenario | of | when | expected | measured |", "|---|---|---|---|---|"]
+    for name in loader.names():
+        rows += rows_of(summary(results, name))
+    text = README.read_text(encoding="utf-8")
+    head, rest = text.split(BEGIN)
+    table = "\n".join(rows)
+    README.write_text(f"{head}{BEGIN}{table}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    for name, figure in FIGURES.items():
+        shutil.copy(results / name / f"{figure}.png", GALLERY / f"{name}.png")
+
+
+def summary(results: Path, name: str) -> dict:
+    path = results / name / "summary.json"
+    if not path.exists():
+        raise ScenarioError(f'scenario "{name}" has not been run; python -m scenarios run {name}')
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def rows_of(summary: dict) -> list[str]:
+    """One row for what is expected alike: of each quantity, the smallest and the largest value over the sweep."""
+    groups: dict[tuple[str, str], list[dict]] = {}
+    for verdict in summary["expectations"]:
+        groups.setdefault((verdict["when"], verdict["wanted"]), []).append(verdict)
+    rows = []
+    for (when, wanted), verdicts in groups.items():
+        swept = dict.fromkeys(sweep_text(verdict["each"]) for verdict in verdicts)
+        names = dict.fromkeys(verdict["name"] for verdict in verdicts)
+        measured = "<br>".join(measured_of([v for v in verdicts if v["name"] == name]) for name in names)
+        mark = "" if all(verdict["holds"] for verdict in verdicts) else " **fails**"
+        cells = (summary["scenario"], "<br>".join(swept), when, wanted.replace("|", "\\|") + mark, measured)
+        rows.append("| " + " | ".join(cells) + " |")
+    return rows
+
+
+def measured_of(verdicts: list[dict]) -> str:
+    low, high = (f"{bound(v['measured'] for v in verdicts):.2g}" for bound in (min, max))
+    unit = verdicts[0]["unit"]
+    return f"`{verdicts[0]['name']}` {low if low == high else f'{low} to {high}'}{'' if unit == '1' else ' ' + unit}"
