@@ -33,12 +33,10 @@ typedef struct {
     const char *allowed; /* min and max in words */
 } Variable;
 
-/* CasADi's calling convention; of its scratch memory only the doubles are used. */
-typedef int Equations(const double **arguments, double **results, int *integers, double *work, int memory);
-
 typedef struct {
-    Equations *start; /* (inputs, parameters, t) -> (outputs at t, state) */
-    Equations *step;  /* (inputs, parameters, state, t, h) -> (outputs at t + h, state) */
+    void (*start)(const double *inputs, const double *parameters, double t, double *outputs, double *state);
+    void (*step)(const double *inputs, const double *parameters, const double *state, double t, double h,
+                 double *outputs, double *next_state); /* both at t + h */
     int states;
 } Program;
 
@@ -96,7 +94,6 @@ typedef struct {
     Log log;
     Situation now;
     double results[2][N_OUTPUTS + N_STATES]; /* of the step that is being done */
-    double work[N_WORK];
     char name[]; /* of the instance */
 } Instance;
 
@@ -206,11 +203,9 @@ static void set_start_values(Instance *instance) {
 static fmi2Status initialize(Instance *instance) {
     Situation *now = &instance->now;
     double holds[N_RULES + 1], *results = instance->results[0];
-    const double *argument[MAX_ARGUMENTS] = {now->values, now->values + PARAMETERS, &now->time};
-    double *result[MAX_RESULTS] = {holds};
     fmi2Status status = check_inputs(instance, fmi2Error);
 
-    rules(argument, result, NULL, instance->work, 0);
+    rules(now->values, now->values + PARAMETERS, holds);
     for (int i = 0; i < N_RULES; i++) {
         char message[512];
         if (holds[i] != 0) continue;
@@ -219,9 +214,7 @@ static fmi2Status initialize(Instance *instance) {
     }
     if (status != fmi2OK) return status;
 
-    result[0] = results;
-    result[1] = results + N_OUTPUTS;
-    program(instance)->start(argument, result, NULL, instance->work, 0);
+    program(instance)->start(now->values, now->values + PARAMETERS, now->time, results, results + N_OUTPUTS);
     if (!all_finite(results, N_OUTPUTS + program(instance)->states)) {
         return not_finite(instance, fmi2Error, "the initialization");
     }
@@ -240,12 +233,10 @@ static fmi2Status advance(Instance *instance, double t, double h) {
     const double step = h / divisions;
 
     for (int i = 0; i < divisions; i++) {
-        const double start = t + i * step;
-        const double *argument[MAX_ARGUMENTS] = {now->values, now->values + PARAMETERS, outputs + N_OUTPUTS, &start,
-                                                 &step};
-        double *result[MAX_RESULTS] = {instance->results[i % 2], instance->results[i % 2] + N_OUTPUTS};
-        equations->step(argument, result, NULL, instance->work, 0);
-        outputs = result[0];
+        double *next = instance->results[i % 2];
+        equations->step(now->values, now->values + PARAMETERS, outputs + N_OUTPUTS, t + i * step, step, next,
+                        next + N_OUTPUTS);
+        outputs = next;
     }
     if (!all_finite(outputs, N_OUTPUTS + equations->states)) {
         return not_finite(instance, fmi2Discard, "the step");

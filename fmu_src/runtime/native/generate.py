@@ -2,19 +2,19 @@
 
 import json
 import re
-from math import inf, isnan
+from math import inf
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Dict, List
+from typing import Any, Dict, List
 
 import fmpy
-from casadi import OP_CONST, SX, CodeGenerator, Function, vertcat
+from casadi import SX, Function, vertcat
 
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import symbols
 from ...pmu_observer.interface import describe
 from ..model import Model, Program
 from ..ports import Port, kind_of, ports
+from .c_code import c_function, number
 
 RUNTIME = Path(__file__).with_name("fmi2_slave.c")
 HEADERS = sorted((Path(fmpy.__file__).parent / "c-code").glob("fmi2*.h"))  # the official ones
@@ -30,10 +30,7 @@ enum {{
     N_PARAMETERS = {parameters},
     N_OUTPUTS = {outputs},
     N_STATES = {states}, /* of the program that has most of them */
-    N_WORK = {work},
-    N_RULES = {rules},
-    MAX_ARGUMENTS = {arguments},
-    MAX_RESULTS = {results}
+    N_RULES = {rules}
 }};
 
 /* The value reference is the index. */
@@ -41,8 +38,7 @@ static const Variable VARIABLES[] = {{
 {variables}
 }};
 
-#define CASADI_SYMBOL_EXPORT static inline
-#include "equations.c"
+#include "equations.h"
 
 static const Program PROGRAMS[] = {{
 {programs}
@@ -62,62 +58,56 @@ def sources(model: Model, guid: str) -> Dict[str, bytes]:
 
     Raises ValueError if an equation takes a function from elsewhere than the carrier, which makes it NaN.
     """
-    programs = {name: functions(model, name, program) for name, program in model.programs.items()}
-    rules = rule_function(model)
+    functions = {name: program_functions(model, program) for name, program in model.programs.items()}
+    equations = [c_function(f"{f.name()}_{name}", f) for name, pair in functions.items() for f in pair]
+    equations.append(c_function("rules", rule_function(model)))
+    states = {name: step.numel_out("next_state") for name, (_, step) in functions.items()}
     generated = {
         "fmi2_slave.c": RUNTIME.read_bytes(),
-        "model.h": model_h(model, guid, programs, rules).encode(),
-        "equations.c": c_code([*[f for pair in programs.values() for f in pair], rules]),
+        "model.h": model_h(model, guid, states).encode(),
+        "equations.h": "\n".join(equations).encode(),
     }
     return {**generated, **{header.name: header.read_bytes() for header in HEADERS}}
 
 
-def functions(model: Model, name: str, program: Program) -> List[Function]:
-    """The program's start and step, with the arguments and results that fmi2_slave.c says."""
+def program_functions(model: Model, program: Program) -> List[Function]:
+    """The program's start and step, with the arguments that fmi2_slave.c gives them."""
     inputs, parameters, t, h = symbols_like(model.inputs), symbols_like(model.parameters), SX.sym("t"), SX.sym("h")
+    given = {"inputs": inputs, "parameters": parameters}
     state, outputs = program.start(symbols, parameters, inputs, t)
-    start = function(f"start_{name}", [inputs, parameters, t], [outputs, state])
+    start = function("start", {**given, "t": t}, {"outputs": outputs, "state": state})
     state = symbols_like(state)
     next_state, outputs = program.step(symbols, parameters, state, inputs, t, h)
-    step = function(f"step_{name}", [inputs, parameters, state, t, h], [outputs, next_state])
-    return [start, step]
+    arguments = {**given, "state": state, "t": t, "h": h}
+    return [start, function("step", arguments, {"outputs": outputs, "next_state": next_state})]
 
 
 def rule_function(model: Model) -> Function:
-    """rules: (inputs, parameters) -> 1 for every rule that holds."""
+    """holds[i] = 1 if rule number i holds, else 0."""
     inputs, parameters = symbols_like(model.inputs), symbols_like(model.parameters)
     holds = tuple(rule.holds for rule in model.rules(symbols, parameters, inputs))
-    return function("rules", [inputs, parameters], [holds])
+    return function("rules", {"inputs": inputs, "parameters": parameters}, {"holds": holds})
 
 
 def symbols_like(shape):
     return tree.like(shape, [SX.sym(name) for name in tree.names(shape)])
 
 
-def function(name: str, arguments: list, results: list) -> Function:
-    made = Function(name, [vector(argument) for argument in arguments], [vector(result) for result in results])
-    for k in range(made.n_instructions()):
-        if made.instruction_id(k) == OP_CONST and isnan(made.instruction_constant(k)):
-            raise ValueError(f"{name} has a NaN in it: take every function from the carrier, and no `math.sin`")
-    return made
+def function(name: str, arguments: Dict[str, Any], results: Dict[str, Any]) -> Function:
+    """A CasADi function of trees."""
+    vectors_in = [vector(branch) for branch in arguments.values()]
+    vectors_out = [vector(branch) for branch in results.values()]
+    return Function(name, vectors_in, vectors_out, list(arguments), list(results))
 
 
 def vector(branch) -> SX:
     return SX(vertcat(*tree.leaves(branch)))
 
 
-def c_code(all_functions: List[Function]) -> bytes:
-    generator = CodeGenerator("equations.c", {"casadi_int": "int"})
-    for each in all_functions:
-        generator.add(each)
-    with TemporaryDirectory() as folder:
-        return Path(generator.generate(f"{folder}/")).read_bytes()
-
-
-def model_h(model: Model, guid: str, programs: Dict[str, List[Function]], rules: Function) -> str:
+def model_h(model: Model, guid: str, states: Dict[str, int]) -> str:
+    """The tables; `states` is the number of states of each program."""
     all_ports = ports(model)
     names = [port.variable.name for port in all_ports]
-    every = [f for pair in programs.values() for f in pair] + [rules]
     messages = [rule.message for rule in model.rules(symbols, model.parameters, model.inputs)]
     return MODEL_H.format(
         name=model.name,
@@ -127,19 +117,12 @@ def model_h(model: Model, guid: str, programs: Dict[str, List[Function]], rules:
         inputs=len(tree.leaves(model.inputs)),
         parameters=len(tree.leaves(model.parameters)),
         outputs=len(tree.leaves(model.outputs)),
-        states=max(states(step) for _, step in programs.values()),
-        work=max(1, *(f.sz_w() for f in every)),
+        states=max(states.values()),
         rules=len(messages),
-        arguments=max(f.sz_arg() for f in every),
-        results=max(f.sz_res() for f in every),
         variables="\n".join(f"    {variable(port)}," for port in all_ports),
-        programs="\n".join(f"    {{start_{name}, step_{name}, {states(f[1])}}}," for name, f in programs.items()),
+        programs="\n".join(f"    {{start_{name}, step_{name}, {size}}}," for name, size in states.items()),
         messages="\n".join(f"    case {i}: {message(text, names)} break;" for i, text in enumerate(messages)),
     )
-
-
-def states(step: Function) -> int:
-    return step.size1_in(2)
 
 
 def variable(port: Port) -> str:
@@ -161,8 +144,3 @@ def message(template: str, names: List[str]) -> str:
 
 def text(string: str) -> str:
     return json.dumps(string, ensure_ascii=False)
-
-
-def number(value: float) -> str:
-    """A C constant that reads back as the same number."""
-    return repr(float(value)).replace("inf", "INFINITY")
