@@ -1,4 +1,4 @@
-"""A three-phase fault of 100 ms: generator 6 behind a line, with constant E_f, an exciter that forces E_f, or subtransients."""
+"""A three-phase fault of 100 ms at generator 6: with constant E_f, with an exciter that forces E_f, with subtransients."""
 
 import argparse
 
@@ -19,7 +19,9 @@ AFTER = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0)
 
 def main() -> None:
     parser = argparse.ArgumentParser(
-        prog="python -m scenarios.studies.fault", description=__doc__, formatter_class=argparse.ArgumentDefaultsHelpFormatter
+        prog="python -m scenarios.studies.fault",
+        description=__doc__,
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     parser.add_argument("--seeds", type=int, default=100, help="noise seeds")
     parser.add_argument("--tve", type=float, default=0.001, help="noise of the phasors, and what is assumed")
@@ -29,7 +31,9 @@ def main() -> None:
         "exciter": forced_field(),
         "6th order": sixth_order.simulate(T_CLEAR + 3, T_FAULT, T_CLEAR),
     }
-    table = Table(title=f"|error of (E'd, E'q)|, pu, median / worst of {arguments.seeds} seeds, TVE {arguments.tve:.1%}")
+    table = Table(
+        title=f"|error of (E'd, E'q)|, pu, median / worst of {arguments.seeds} seeds, TVE {arguments.tve:.1%}"
+    )
     for column in ("plant", "E_f", "before", *[f"+{t:g} s" for t in AFTER], "tracking"):
         table.add_column(column, no_wrap=True)
     for plant, truth in plants.items():

@@ -121,5 +121,3 @@ def row(m, s, grid: Grid, P, E_f, state):
     turn = -1j * np.exp(1j * angle)
     V = turn * (e2d + s.x2 * Iq + 1j * (e2q - s.x2 * Id))
     return V, turn * (Id + 1j * Iq), P, E_f, angle, omega, e1d, e1q
-
-
