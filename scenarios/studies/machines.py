@@ -1,4 +1,4 @@
-"""Machines to observe: random ones behind a line, and generator 6 of the IEEE 39-bus system behind a line with a fault."""
+"""Machines to observe: random ones behind a line, and generator 6 of the IEEE 39-bus system behind a line."""
 
 from math import pi
 from typing import NamedTuple

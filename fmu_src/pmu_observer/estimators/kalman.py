@@ -45,11 +45,11 @@ def transition(xp, c: Constants, interval: Interval, E_f_known, gap) -> Transiti
     """The transition of an interval `gap` s after the last usable frame (0: the interval ends with one).
 
     E|dnu|^2 = v makes (h b2)^2 v Y1/2 of E'd and (h b1)^2 v Y1/2 of E'q, less what decays within the interval;
-    without it the filter is sure of itself and wrong. In a gap, nu walks away by 0.02 per s of it and sqrt(s).
+    without it the filter is sure of itself and wrong. In a gap, nu walks away by 0.002 per s of it and sqrt(s).
     """
     h, s, flow = interval.h, interval.after, interval.flow
     variance = h * h * noise.of_nu(s) * s.Y1 / 2
-    drift = 0.02 * gap
+    drift = 0.002 * gap
     in_gap = drift * drift * h * s.Y1
 
     def accumulated(b, rate):

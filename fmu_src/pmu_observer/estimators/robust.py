@@ -26,8 +26,8 @@ SIZE = 24
 WALK_TRACKER, WALK_BANK = 0.1, 0.02
 """pu/sqrt(s): how an estimated E_f changes."""
 
-EXCITER_AFTER_JUMP = 5.0, 0.5
-"""WALK_TRACKER is this many times larger for so many s after a jump of the network."""
+FORCING, FORCING_DECAY = 20.0, 1.0
+"""A jump of the network sets exciters going: WALK_TRACKER is 1 + 20 e^(-t/1 s) times as large t after it."""
 
 LEAST_AGE, SUPERVISED_AGE, GREATEST_AGE, REST = 0.1, 0.25, 5.0, 0.5
 """s: no capture before, the end of a supervision once captured, and in any case; the rest before the next one."""
@@ -121,8 +121,7 @@ def step(xp, p, c, state, interval):
     t = kalman.transition(xp, c, interval, s.measured.E_f_known, gap)
     unknown = xp.where(s.measured.E_f_known > 0, 0.0, h)
 
-    factor, duration = EXCITER_AFTER_JUMP
-    walk = WALK_TRACKER * xp.where(calm < duration, factor, 1.0)
+    walk = WALK_TRACKER * (1 + FORCING * xp.exp(-calm / FORCING_DECAY))
     predicted = kalman.predict(xp, t, state.tracker, unknown * walk * walk)
     u = updated(xp, c, predicted, s)
 
