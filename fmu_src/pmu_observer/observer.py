@@ -210,9 +210,8 @@ def read(xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State, input
     field_known, power_known = p.field_voltage == MEASURED, p.mechanical_power == MEASURED
     P_m, E_f = xp.where(power_known, inputs.P_m, 0.0), xp.where(field_known, inputs.E_f, state.estimate.E_f)
     usable = frames.is_usable(xp, inputs.frame, (P_m, E_f), inputs.frame_valid)
-    frame, P_m, E_f = tree.map(
-        lambda value: xp.where(usable, value, 1.0), (inputs.frame, P_m, E_f)
-    )  # math.cos(inf) raises
+    given = inputs.frame, P_m, E_f
+    frame, P_m, E_f = xp.cond(usable, lambda: given, lambda: tree.map(lambda _: 1.0, given))  # math.cos(inf) raises
     read = measurement(xp, frame, P_m, E_f, p.power_source == 2)._replace(
         tve=xp.where(p.tve > 0, p.tve, noise.learnt(xp, state.noise)), E_f_known=xp.where(field_known, 1.0, 0.0)
     )
@@ -252,7 +251,7 @@ def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> Sta
     stale = xp.logical_and(xp.logical_and(same, state.moving > 0), xp.abs(state.rotor.omega) * h > frames.STILL)
     usable = xp.logical_and(usable, xp.logical_not(stale))
     held = held_over(xp, c, state)
-    s = tree.map(lambda new, old: xp.where(usable, new, old), s, held)
+    s = xp.cond(usable, lambda: s, lambda: held)
     span = interval(xp, c, state.signals, s, h, state.change)
     gross = xp.logical_and(usable, frames.is_gross(xp, c, span, state.estimate, state.rotor))
     gross = xp.logical_and(gross, state.rejected < frames.MOST_REJECTED)
@@ -271,7 +270,7 @@ def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> Sta
         started=1.0,
         rejected=xp.where(gross, state.rejected + 1, 0.0),
         elapsed=0.0,
-        frame=tree.map(lambda new, old: xp.where(usable, new, old), frame, state.frame),
+        frame=xp.cond(usable, lambda: frame, lambda: state.frame),
         moving=xp.where(xp.logical_and(usable, xp.logical_not(same)), 1.0, state.moving),
         signals=s,
         change=change(span.before, s),
@@ -374,4 +373,4 @@ def predict(name, xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: Sta
         adaptive=adaptive_ii.outputs(state.adaptive),
         estimators=Outputs().estimators._replace(**{name: ESTIMATORS[name].outputs(xp, state.estimator)}),
     )
-    return tree.map(lambda value, waiting: xp.where(state.started > 0, value, waiting), outputs, Outputs())
+    return xp.cond(state.started > 0, lambda: outputs, Outputs)

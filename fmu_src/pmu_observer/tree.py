@@ -8,7 +8,17 @@ def leaves(tree: Any) -> List[Any]:
     """The scalars of a tree, in order."""
     if not isinstance(tree, tuple):
         return [tree]
-    return [leaf for branch in tree for leaf in leaves(branch)]
+    found: List[Any] = []
+    _collect(tree, found.append)
+    return found
+
+
+def _collect(tree, add):
+    for branch in tree:
+        if isinstance(branch, tuple):
+            _collect(branch, add)
+        else:
+            add(branch)
 
 
 def names(tree: Any) -> List[str]:
