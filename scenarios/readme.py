@@ -53,6 +53,6 @@ def rows_of(summary: dict) -> list[str]:
 
 
 def measured_of(verdicts: list[dict]) -> str:
-    low, high = (f"{bound(v['measured'] for v in verdicts):.2g}" for bound in (min, max))
+    low, high = (f"{bound(v['measured'] for v in verdicts):.3g}" for bound in (min, max))
     unit = verdicts[0]["unit"]
     return f"`{verdicts[0]['name']}` {low if low == high else f'{low} to {high}'}{'' if unit == '1' else ' ' + unit}"
