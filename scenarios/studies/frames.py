@@ -127,16 +127,16 @@ def record(name: str) -> Truth:
     g6 = machine.ieee39_g6()
     return Truth(
         machine=g6,
-        V=columns["V"] * np.exp(1j * columns["theta"]),
-        I=columns["I"] * np.exp(1j * columns["phi"]),
-        P_m=columns["Pm"],
-        E_f=columns["Efd"],
+        V=columns["V_t"] * np.exp(1j * columns["theta_t"]),
+        I=columns["I_t"] * np.exp(1j * columns["phi_t"]),
+        P_m=columns["P_m"],
+        E_f=columns["E_f"],
         delta=columns["delta"],
-        omega=(columns["omega"] - 1) * g6.omega_s,
+        omega=(columns["speed"] - 1) * g6.omega_s,
         e1d=columns["e1d"],
         e1q=columns["e1q"],
     )
 
 
-RECORD_G6 = "andes4_loadstep_gov_G6.csv"
-RECORD_G6_6TH_ORDER = "andes6_xqeqxd_loadstep_gov_G6.csv"
+RECORD_G6 = "record_g6.csv"
+RECORD_G6_6TH_ORDER = "record_g6_6th_order.csv"

@@ -99,7 +99,9 @@ def test_delta_keeps_count_of_the_revolutions():
 
     def turned(k, i):
         angle = rate * k * H
-        wrapped = {name: (getattr(i.frame, name) + angle + np.pi) % (2 * np.pi) - np.pi for name in ("theta_t", "phi_t")}
+        wrapped = {
+            name: (getattr(i.frame, name) + angle + np.pi) % (2 * np.pi) - np.pi for name in ("theta_t", "phi_t")
+        }
         return spoilt(i, **wrapped, **({"V_t": nan} if 300 <= k < 305 else {}))
 
     still = run("gradient", P, INPUTS, H).outputs

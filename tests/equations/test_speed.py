@@ -48,8 +48,7 @@ def errors(step, start, found, continuous, expected):
     solution = reference.solve(CASE, times, continuous)
     reference_values = np.array([expected(z, x) for z, x in zip(solution.observer.T, solution.machine.T)])
     frames = [
-        signals(floats, C, measurement(floats, i.frame, i.P_m, i.E_f, False))
-        for i in inputs_along(CASE, solution)
+        signals(floats, C, measurement(floats, i.frame, i.P_m, i.E_f, False)) for i in inputs_along(CASE, solution)
     ]
     largest = []
     for stride in (4, 2, 1):
