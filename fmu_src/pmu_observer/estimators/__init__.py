@@ -10,7 +10,7 @@ from ..angle import Estimate
 from ..machine import Constants
 from ..phasors import Signals
 from ..sampling import Interval
-from . import drem, gradient, joint_gradient, open_loop, overparameterised, robust
+from . import drem, gradient, joint_gradient, open_loop, overparameterised, robust, third_order
 
 
 class Estimator(Protocol):
@@ -43,4 +43,5 @@ ESTIMATORS = {
     "joint_gradient": joint_gradient,
     "open_loop": open_loop,
     "robust": robust,
+    "third_order": third_order,
 }
