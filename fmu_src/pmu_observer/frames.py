@@ -35,7 +35,8 @@ def is_gross(xp, c: Constants, interval: Interval, estimate: Estimate, rotor: Ro
     """Is j E' of the frame that closes the interval more than 5 standard deviations from where it is expected?
 
     That is e^{j delta}(x3 + j x4), which no event in the network can make jump. Half the jump of A over the interval is
-    allowed for; so are 0.2 % of what the model does not know. Only where the estimator says how sure it is.
+    allowed for; so are 0.2 % of what the model does not know. Only where both estimator and speed observer say how
+    sure they are: I&I does not, and rejecting what contradicts it would leave it wrong.
     """
     s, h, P, R = interval.after, interval.h, estimate.covariance, rotor.covariance
     x = propagate(interval.flow, estimate.x)
@@ -47,5 +48,5 @@ def is_gross(xp, c: Constants, interval: Interval, estimate: Estimate, rotor: Ro
     jump_variance = b * b * (jump.re * jump.re + jump.im * jump.im) * s.Y1
     angle_variance = R.dd + h * h * R.oo
     variance = noise.of_phasor(c, s) + 2 * (P.dd + P.qq + s.Y1 * angle_variance) + jump_variance + 4e-6 * s.Y1
-    sure = xp.logical_and(estimate.capturing < 0.5, P.dd > 0)
+    sure = xp.logical_and(estimate.capturing < 0.5, xp.logical_and(P.dd > 0, R.dd > 0))
     return xp.logical_and(sure, re * re + im * im > GROSS * variance)

@@ -208,7 +208,8 @@ def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h):
 def read(xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State, inputs: Inputs):
     """Is the frame usable, and its signals: any that can be calculated with, if it is not."""
     field_known, power_known = p.field_voltage == MEASURED, p.mechanical_power == MEASURED
-    P_m, E_f = xp.where(power_known, inputs.P_m, 0.0), xp.where(field_known, inputs.E_f, state.estimate.E_f)
+    P_m = xp.where(power_known, inputs.P_m, state.rotor.P_m)
+    E_f = xp.where(field_known, inputs.E_f, state.estimate.E_f)
     usable = frames.is_usable(xp, inputs.frame, (P_m, E_f), inputs.frame_valid)
     given = inputs.frame, P_m, E_f
     frame, P_m, E_f = xp.cond(usable, lambda: given, lambda: tree.map(lambda _: 1.0, given))  # math.cos(inf) raises
@@ -318,10 +319,12 @@ def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
 
 
 def rotor_at_start(xp, p, c, s: Signals, estimate: Estimate) -> Rotor:
+    """The estimator's angle, synchronous speed, and an unknown P_m that balances the frame's P."""
+    known = p.mechanical_power == MEASURED
     return xp.cond(
         p.speed_observer == KALMAN,
-        lambda: kalman_speed.start(xp, c, s, estimate, p.mechanical_power == MEASURED),
-        lambda: Rotor(estimate.delta, 0.0, s.measured.P_m),
+        lambda: kalman_speed.start(xp, c, s, estimate, known),
+        lambda: Rotor(estimate.delta, 0.0, xp.where(known, s.measured.P_m, s.measured.P)),
     )
 
 

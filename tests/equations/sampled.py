@@ -6,6 +6,7 @@ import numpy as np
 
 from fmu_src.pmu_observer import observer
 from fmu_src.pmu_observer.carriers import floats
+from fmu_src.pmu_observer.estimators import ESTIMATORS
 from fmu_src.pmu_observer.machine import TwoAxisMachine
 from fmu_src.pmu_observer.phasors import Frame
 
@@ -18,8 +19,8 @@ def machine_of(m: reference.Machine) -> TwoAxisMachine:
 
 
 def parameters_of(m: reference.Machine, estimator: str = "drem", **gains) -> observer.Parameters:
-    """The observer's parameters with some of the estimator's own replaced."""
-    p = observer.Parameters(machine=machine_of(m))
+    """The paper's observer: the estimator with some of its own parameters replaced, and I&I."""
+    p = observer.Parameters(machine=machine_of(m), estimator=1 + list(ESTIMATORS).index(estimator), speed_observer=1)
     own = getattr(p.estimators, estimator)._replace(**gains)
     return p._replace(estimators=p.estimators._replace(**{estimator: own}))
 

@@ -30,7 +30,7 @@ class Trial(NamedTuple):
 
 
 def x_of(state):
-    return list(state.x)
+    return list(state.estimate.x)
 
 
 def pair_of_theta(z, theta):
@@ -44,7 +44,7 @@ def drem(case, gamma):
 
     def found(state):
         own = state.estimator
-        return [*own.theta, *state.x, 1e15 * own.int_Delta2]
+        return [*own.theta, *state.estimate.x, 1e15 * own.int_Delta2]
 
     return Trial("drem", {"gamma": gamma}, case, reference.drem(case.machine, gamma), expected, found)
 
@@ -56,7 +56,7 @@ def overparameterised(case, Gamma, method="DOP853"):
         case,
         reference.overparameterised(case.machine, Gamma),
         lambda z: [*z[6:], *pair_of_theta(z, z[6:8])],
-        lambda state: [*state.estimator.Theta, *state.x],
+        lambda state: [*state.estimator.Theta, *state.estimate.x],
         method,
     )
 
@@ -128,4 +128,4 @@ def test_no_gain_is_stiff(name, gain):
     times = np.arange(0, 10, 0.2)
     inputs = inputs_along(PAPER_CASE, reference.solve(PAPER_CASE, times))
     p = parameters_of(PAPER_CASE.machine, name, **{gain: 1e24 if name == "drem" else 1e10})
-    assert all(np.hypot(*state.x) < 10 for state in run(name, p, inputs, 0.2).states)
+    assert all(np.hypot(*state.estimate.x) < 10 for state in run(name, p, inputs, 0.2).states)

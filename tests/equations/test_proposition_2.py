@@ -50,7 +50,7 @@ def errors(name, estimator, case):
     at_frames, in_outputs = [], []
     for stride in STRIDES:
         result = run(name, p, inputs[::stride], stride * FINEST)
-        states = np.array([[s.delta, s.speed.omega, *s.x] for s in result.states])
+        states = np.array([[s.rotor.delta, s.rotor.omega, *s.estimate.x] for s in result.states])
         at_frames.append(np.abs(states - expected[::stride]).max(axis=0))
         in_outputs.append(np.abs(shown(result.outputs) - expected[::stride])[1:].max(axis=0))
     return at_frames, in_outputs
@@ -84,8 +84,11 @@ def test_the_outputs_show_the_machine_to_second_order():
         state, _ = observer.start("gradient", floats, p, frames[0], 0.0)
         state, _ = observer.step("gradient", floats, p, state, frames[0], 0.0, h)
         true = Vector(e1d, e1q)
-        speed = state.speed._replace(omega=omega)
-        state = state._replace(delta=delta, x=true, estimator=gradient.State(true), speed=speed)
+        state = state._replace(
+            estimator=gradient.State(true),
+            estimate=state.estimate._replace(delta=delta, x=true),
+            rotor=state.rotor._replace(delta=delta, omega=omega),
+        )
         outputs = []
         for k, frame in enumerate(frames[1:], 1):
             state, now = observer.step("gradient", floats, p, state, frame, k * h, h)

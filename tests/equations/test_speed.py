@@ -7,7 +7,7 @@ from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.machine import constants
 from fmu_src.pmu_observer.phasors import measurement, signals
 from fmu_src.pmu_observer.sampling import interval
-from fmu_src.pmu_observer.speed import adaptive, immersion_invariance
+from fmu_src.pmu_observer.speed import Rotor, adaptive, immersion_invariance
 
 from . import reference
 from .reference import MOVING_CASE
@@ -64,15 +64,15 @@ def errors(step, start, found, continuous, expected):
 TRIALS = {
     "Pm known": (
         known,
-        immersion_invariance.State(0.0, P_M),
+        Rotor(0.0, 0.0, P_M),
         lambda state: [state.omega],
         reference.speed_known(CASE, K),
         omega,
     ),
     "Pm unknown": (
         unknown,
-        immersion_invariance.State(0.0, P_M),
-        list,
+        Rotor(0.0, 0.0, P_M),
+        lambda state: [state.omega, state.P_m],
         reference.speed_unknown(CASE, K, P_M),
         omega_and_power,
     ),
@@ -118,7 +118,7 @@ def test_no_gain_is_unstable(step, k):
     i = inputs_of(reference.seen(CASE, 0.0, CASE.start))
     at_rest = i._replace(P_m=i.frame.P_t)
     s = signals(floats, C, measurement(floats, at_rest.frame, at_rest.P_m, at_rest.E_f, False))
-    state, speeds = immersion_invariance.State(1.0, at_rest.P_m), [1.0]
+    state, speeds = Rotor(0.0, 1.0, at_rest.P_m), [1.0]
     for _ in range(50):
         state = step(floats, state, C.a0, C.b0, k, interval(floats, C, s, s, 0.2), 0.0)
         speeds.append(state.omega)
