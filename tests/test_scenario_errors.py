@@ -104,6 +104,16 @@ MISTAKES = {
         'observer.V_t = "plant.V"',
         'plant has no output "V"; known: V_t, theta_t',
     ),
+    "nothing behind a prefix": (
+        'observer = "plant"',
+        '"observer.plant.*" = "plant"',
+        "no output of plant has the name of an input of observer; connect one by one",
+    ),
+    "loop": (
+        'observer = "plant"',
+        'channel.plant = { V_t = "channel.V_t" }\n[fmu.channel]\nmodel = "PmuChannel"',
+        "connect: channel <- channel: each shows its inputs at once, and none is first; connect",
+    ),
     "half a name": (
         'observer = "plant"',
         'observer.V_t = "plant"',
