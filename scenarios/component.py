@@ -35,5 +35,7 @@ class Slave(Protocol):
 
 class Component(Protocol):
     variables: Mapping[str, Variable]
+    feedthrough: bool
+    """Its outputs show its inputs of the same instant."""
 
     def instantiate(self, label: str) -> Slave: ...

@@ -45,7 +45,10 @@ def draw(results: Results, figure: Figure, path: Path) -> None:
 
 
 def draw_panel(results: Results, figure: Figure, panel: Panel, ax: Axes) -> list[Line2D]:
-    """What is not swept in black, each value of a sweep in its colour, each further curve in its own style."""
+    """What is not swept in black, each value of a sweep in its colour, each further curve in its own style.
+
+    Two standard deviations on either side of a curve with a band.
+    """
     scenario = results.plan.scenario
     shown = slice(scenario.index(figure.after), scenario.index(figure.until or scenario.stop) + 1)
     quantities = {quantity(name) for name in panel.curves}
@@ -69,6 +72,10 @@ def draw_panel(results: Results, figure: Figure, panel: Panel, ax: Axes) -> list
                 linewidth=width,
             )
             units[signal.unit] = None
+            for deviation in results.plan.signals.get(panel.band.get(name, ""), []):
+                if deviation.sweep == signal.sweep:
+                    middle, half = results.of(signal)[shown], 2 * results.of(deviation)[shown]
+                    ax.fill_between(results.time[shown], middle - half, middle + half, color=colour, alpha=0.2, lw=0)
     text = quantities.pop() if len(quantities) == 1 else ""
     unit = "" if list(units) == ["1"] else f"[{', '.join(units)}]"
     ax.set_ylabel(f"{f'|{text}|' if panel.log else text} {unit}".strip())

@@ -29,6 +29,7 @@ class Fmu:
         self.folder = extract(str(path), unzipdir=str(folder))
         self.description: Any = read_model_description(self.folder)
         self.variables: Mapping[str, Variable] = {v.name: variable(v) for v in self.description.modelVariables}
+        self.feedthrough = any(output.dependencies != [] for output in self.description.outputs)  # None: on all inputs
 
     def instantiate(self, label: str) -> "FmuSlave":
         return FmuSlave(self, label)
@@ -64,7 +65,8 @@ class FmuSlave:
 
     def set(self, values: Mapping[str, float]) -> None:
         for type_, names, references in self.groups(tuple(values)):
-            self.accessors[type_][1](references, [values[name] for name in names])
+            convert = float if type_ == "Real" else int
+            self.accessors[type_][1](references, [convert(values[name]) for name in names])
         self._check()
 
     def get(self, names: Sequence[str]) -> list[float]:

@@ -32,15 +32,15 @@ class Lookup:
         kind = " or ".join(causalities) or "variable"
         raise ScenarioError(f'{where}: {component} has no {kind} "{name}"; {alternatives(name, known)}')
 
-    def fmus_with(self, where: str, name: str, *causalities: str) -> dict[str, Variable]:
-        """The variable of that name in every component that has it, by component."""
-        of_kind = {
-            component: {v.name: v for v in self.components[component].variables.values() if v.causality in causalities}
-            for component in self.components
-        }
-        found = {component: variables[name] for component, variables in of_kind.items() if name in variables}
+    def fmus_with(self, where: str, name: str, *causalities: str) -> list[tuple[str, Variable]]:
+        """The variables of that name, each with its component; of inputs also plant.P_m for the name P_m."""
+        of_kind = [(c, v) for c in self.components for v in self.components[c].variables.values()]
+        of_kind = [(c, v) for c, v in of_kind if v.causality in causalities]
+        found = [
+            (c, v) for c, v in of_kind if v.name == name or (v.causality == "input" and v.name.endswith(f".{name}"))
+        ]
         if not found:
-            known = list(dict.fromkeys(known for variables in of_kind.values() for known in variables))
+            known = list(dict.fromkeys(variable.name for _, variable in of_kind))
             kind = " or ".join(causalities)
             raise ScenarioError(f'{where}: "{name}" is no {kind} of any FMU; {alternatives(name, known)}')
         return found

@@ -1,6 +1,10 @@
-"""The co-simulation: all outputs are exchanged at t, then all instances step to t + h (Jacobi)."""
+"""The co-simulation: all outputs are exchanged at t, then all instances step to t + h (Jacobi).
 
-from collections.abc import Callable, Mapping
+Where outputs show the inputs of the same instant (feedthrough: a PMU), an instance gets the others' outputs at t + h
+before it steps to t + h; else it would report the past.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from time import perf_counter
@@ -42,30 +46,39 @@ def run(plan: Plan, progress: Callable[[float], None] = lambda done: None) -> Re
         steps = scenario.index(scenario.stop)
         rows = {instance: np.empty((steps + 1, len(names[instance]))) for instance in plan.instances}
 
-        def read() -> dict[Instance, dict[str, float]]:
-            return {i: dict(zip(names[i], slave.get(names[i]), strict=True)) for i, slave in slaves.items()}
+        def read(instances: Iterable[Instance]) -> dict[Instance, dict[str, float]]:
+            return {i: dict(zip(names[i], slaves[i].get(names[i]), strict=True)) for i in instances}
 
-        def exchange(outputs: Mapping[Instance, Mapping[str, float]]) -> None:
-            for instance, slave in slaves.items():
+        def feed(instances: Iterable[Instance], outputs: Mapping[Instance, Mapping[str, float]]) -> None:
+            for instance in instances:
                 if instance.links:
-                    slave.set({name: outputs[s.instance][s.variable] for name, s in instance.links.items()})
+                    slaves[instance].set({name: outputs[s.instance][s.variable] for name, s in instance.links.items()})
 
-        outputs = initialize(plan, slaves, read, exchange)
-        changes = list(plan.changes)
+        def change(instances: Iterable[Instance], index: int) -> None:
+            for point, instance, values in plan.changes:
+                if point == index and instance in instances:
+                    slaves[instance].set(values)
+
+        first = [instance for instance in plan.instances if instance not in plan.feedthrough]
+        outputs = initialize(plan, slaves, read, feed)
+        change(plan.feedthrough, 0)
         start = perf_counter()
         for index in range(steps + 1):
             for instance, values in outputs.items():
                 rows[instance][index] = list(values.values())
             if index == steps:
                 break
-            while changes and changes[0].point == index:
-                _, instance, values = changes.pop(0)
-                slaves[instance].set(values)
-            exchange(outputs)
             t, end = scenario.time(index), scenario.time(index + 1)
-            for slave in slaves.values():
-                slave.step(t, end - t)
-            outputs = read()
+            change(first, index)
+            feed(first, outputs)
+            for instance in first:
+                slaves[instance].step(t, end - t)
+            outputs = read(first)
+            for instance in plan.feedthrough:
+                change([instance], index + 1)
+                feed([instance], outputs)
+                slaves[instance].step(t, end - t)
+                outputs.update(read([instance]))
             progress((index + 1) / steps)
         wall_time = perf_counter() - start
 
@@ -74,7 +87,7 @@ def run(plan: Plan, progress: Callable[[float], None] = lambda done: None) -> Re
     return Results(plan, time, series, wall_time)
 
 
-def initialize(plan: Plan, slaves: Mapping[Instance, Slave], read, exchange):
+def initialize(plan: Plan, slaves: Mapping[Instance, Slave], read, feed):
     """Initialisation mode: outputs are exchanged until nothing changes, so that the first frames are right.
 
     What passes through a chain of n instances has arrived after n exchanges.
@@ -83,12 +96,12 @@ def initialize(plan: Plan, slaves: Mapping[Instance, Slave], read, exchange):
         slave.set(instance.parameters)
         slave.enter_initialization(float(plan.scenario.stop))
         slave.set(instance.inputs)
-    outputs = read()
+    outputs = read(slaves)
     for _ in slaves:
-        exchange(outputs)
-        before, outputs = outputs, read()
+        feed(slaves, outputs)
+        before, outputs = outputs, read(slaves)
         if outputs == before:
             break
     for slave in slaves.values():
         slave.exit_initialization()
-    return read()
+    return read(slaves)

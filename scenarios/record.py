@@ -19,6 +19,8 @@ class Record:
     At time t it gives the last row whose time is not after t: a frame is never interpolated.
     """
 
+    feedthrough = False
+
     def __init__(self, name: str, csv: Csv, folder: Path):
         where = f"csv.{name}"
         columns = read_columns(folder / csv.file, where)

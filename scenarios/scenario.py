@@ -16,6 +16,7 @@ from pydantic import (
     model_validator,
 )
 
+from .errors import alternatives
 from .expression import Expression, parse
 
 
@@ -103,12 +104,22 @@ class Change(Table):
 
 
 class Panel(Table):
-    """One pair of axes; `log` shows absolute values on a logarithmic scale, `range` is that of the values shown."""
+    """One pair of axes; `log` shows absolute values on a logarithmic scale, `range` is that of the values shown.
+
+    `band` gives to curves the variable that is their standard deviation; twice that is shaded on either side.
+    """
 
     curves: Names
     title: str = ""
     log: bool = False
     range: tuple[float, float] | None = None
+    band: Annotated[dict[str, str], BeforeValidator(flat)] = {}
+
+    @model_validator(mode="after")
+    def check(self) -> Self:
+        for name in self.band.keys() - set(self.curves):
+            raise ValueError(f'band: "{name}" is not among the curves; {alternatives(name, self.curves)}')
+        return self
 
 
 class Figure(Table):

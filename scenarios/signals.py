@@ -27,7 +27,12 @@ def wanted(scenario: Scenario) -> dict[str, str]:
     used = {name: f"error.{name}" for name in scenario.error}
     for figure in scenario.figure:
         used.update(
-            {name: f"figure {figure.name}" for panel in figure.panel for name in panel.curves if name not in used}
+            {
+                name: f"figure {figure.name}"
+                for panel in figure.panel
+                for name in (*panel.curves, *panel.band.values())
+                if name not in used
+            }
         )
     for expect in scenario.expect:
         used.update({name: "expect" for name in expect.references if name not in used})

@@ -1,6 +1,7 @@
 """From a scenario to a plan. Every name, value and unit in the scenario is checked here, before anything runs."""
 
 from collections.abc import Iterable, Mapping
+from graphlib import CycleError, TopologicalSorter
 
 from . import scenario as toml
 from .component import Component, Variable
@@ -20,7 +21,7 @@ def wire(scenario: Scenario, components: Mapping[str, Component]) -> Plan:
     set_inputs(scenario, lookup)
     changes = [change for given in scenario.change for change in changes_of(scenario, lookup, given)]
     changes.sort(key=lambda change: change.point)
-    plan = Plan(scenario, components, instances, changes, signals(scenario, lookup))
+    plan = Plan(scenario, components, instances, changes, signals(scenario, lookup), feedthrough(lookup, instances))
     links = [source for instance in instances for source in instance.links.values()]
     for source in links + [s for group in plan.signals.values() for signal in group for s in signal.sources.values()]:
         source.instance.watched.add(source.variable)
@@ -30,7 +31,7 @@ def wire(scenario: Scenario, components: Mapping[str, Component]) -> Plan:
 def set_parameters(scenario: Scenario, lookup: Lookup) -> None:
     """[parameters] for every FMU that has a parameter of the name, then those of each FMU."""
     for name, value in scenario.parameters.items():
-        for component, variable in lookup.fmus_with("parameters", name, "parameter").items():
+        for component, variable in lookup.fmus_with("parameters", name, "parameter"):
             for instance in lookup.instances[component]:
                 instance.parameters[name] = number("parameters", variable, value)
     for component, fmu in scenario.fmu.items():
@@ -44,10 +45,10 @@ def set_parameters(scenario: Scenario, lookup: Lookup) -> None:
 def set_inputs(scenario: Scenario, lookup: Lookup) -> None:
     """[inputs] for every FMU that has an input of the name and is not connected there, then those of each FMU."""
     for name, value in scenario.inputs.items():
-        for component, variable in lookup.fmus_with("inputs", name, "input").items():
+        for component, variable in lookup.fmus_with("inputs", name, "input"):
             for instance in lookup.instances[component]:
-                if name not in instance.links:
-                    instance.inputs[name] = number("inputs", variable, value)
+                if variable.name not in instance.links:
+                    instance.inputs[variable.name] = number("inputs", variable, value)
     for component, fmu in scenario.fmu.items():
         where = f"fmu.{component}.inputs"
         for name, value in fmu.inputs.items():
@@ -60,30 +61,32 @@ def set_inputs(scenario: Scenario, lookup: Lookup) -> None:
 
 def connect(scenario: Scenario, lookup: Lookup) -> None:
     """ "observer.E_f" = "plant.E_f_start": one input. observer = "plant": all inputs that plant has outputs of the same
-    name for. observer = "grid.G1.*": the same with a prefix, V_t from G1.V_t."""
+    name for. A prefix may stand on either side: observer = "grid.G1.*" is V_t from G1.V_t, and
+    "channel.plant.*" = "plant" is plant.V_t from V_t."""
     for target, source in scenario.connect.items():
         where = f'connect "{target}" = "{source}"'
         component, _, name = target.partition(".")
         lookup.component(where, component)
         for instance in lookup.instances[component]:
             chosen = substituted(where, source, instance.sweep)
-            if name:
+            if name and not name.endswith("*"):
                 link(lookup, where, instance, name, *split(where, chosen))
             else:
-                link_all(lookup, where, instance, *chosen.removesuffix("*").partition(".")[::2])
+                link_all(lookup, where, instance, name.removesuffix("*"), *chosen.removesuffix("*").partition(".")[::2])
 
 
-def link_all(lookup: Lookup, where: str, instance: Instance, component: str, prefix: str) -> None:
+def link_all(lookup: Lookup, where: str, instance: Instance, own_prefix: str, component: str, prefix: str) -> None:
     inputs = [v.name for v in lookup.components[instance.component].variables.values() if v.causality == "input"]
     outputs = [v.name for v in lookup.component(where, component).variables.values() if v.causality == "output"]
-    shared = [name for name in inputs if prefix + name in outputs]
+    of_prefix = [name.removeprefix(own_prefix) for name in inputs if name.startswith(own_prefix)]
+    shared = [name for name in of_prefix if prefix + name in outputs]
     if not shared:
         raise ScenarioError(
             f"{where}: no output of {component} has the name of an input of {instance.component}; connect one by one.\n"
             f"  inputs of {instance.component}: {', '.join(inputs)}\n  outputs of {component}: {', '.join(outputs)}"
         )
     for name in shared:
-        link(lookup, where, instance, name, component, prefix + name)
+        link(lookup, where, instance, own_prefix + name, component, prefix + name)
 
 
 def link(lookup: Lookup, where: str, instance: Instance, name: str, component: str, output: str) -> None:
@@ -114,8 +117,23 @@ def changes_of(scenario: Scenario, lookup: Lookup, change: toml.Change) -> Itera
 
 
 def changed(lookup: Lookup, where: str, name: str) -> list[tuple[str, Variable]]:
-    """`observer.k_speed` is that of one FMU, `P_m` that of every FMU that has it."""
+    """`observer.k_speed` is that of one FMU, `P_m` that of every FMU that has it and is not fed another one."""
     component, _, own = name.partition(".")
     if component in lookup.components:
         return [(component, lookup.variable(where, component, own, "input", "parameter"))]
-    return list(lookup.fmus_with(where, name, "input", "parameter").items())
+    found = lookup.fmus_with(where, name, "input", "parameter")
+    free = [(c, v) for c, v in found if not any(v.name in instance.links for instance in lookup.instances[c])]
+    return free or found
+
+
+def feedthrough(lookup: Lookup, instances: Iterable[Instance]) -> list[Instance]:
+    """The instances of components with feedthrough, each after those that feed it. Raises ScenarioError for a loop."""
+    passing = [instance for instance in instances if lookup.components[instance.component].feedthrough]
+    fed_by = {i: [s.instance for s in i.links.values() if s.instance in passing] for i in passing}
+    try:
+        return list(TopologicalSorter(fed_by).static_order())
+    except CycleError as error:
+        loop = " <- ".join(instance.label for instance in error.args[1])
+        raise ScenarioError(
+            f"connect: {loop}: each shows its inputs at once, and none is first; connect one of them elsewhere"
+        ) from error

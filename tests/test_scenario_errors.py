@@ -104,6 +104,16 @@ MISTAKES = {
         'observer.V_t = "plant.V"',
         'plant has no output "V"; known: V_t, theta_t',
     ),
+    "nothing behind a prefix": (
+        'observer = "plant"',
+        '"observer.plant.*" = "plant"',
+        "no output of plant has the name of an input of observer; connect one by one",
+    ),
+    "loop": (
+        'observer = "plant"',
+        'channel.plant = { V_t = "channel.V_t" }\n[fmu.channel]\nmodel = "PmuChannel"',
+        "connect: channel <- channel: each shows its inputs at once, and none is first; connect",
+    ),
     "half a name": (
         'observer = "plant"',
         'observer.V_t = "plant"',
@@ -163,6 +173,11 @@ MISTAKES = {
         'figure all: plant has no variable "delt"; did you mean',
     ),
     "expression as a curve": ('"plant.delta"', '"2*plant.delta"', '"2*plant.delta" is not a name; name it in [error]'),
+    "band of no curve": (
+        '"observer.delta"] }',
+        '"observer.delta"], band = { observer.delt = "observer.delta_std" } }',
+        'figure.0.panel.0: band: "observer.delt" is not among the curves; did you mean "observer.delta"?',
+    ),
     "not an expression": ("observer.e1d - plant.e1d", "observer.e1d -", "error.e1d = 'observer.e1d -': this is not an"),
     "not arithmetic": ("observer.e1d - plant.e1d", "open(1)", '"open(1)" is not allowed in an expression'),
     "fixed parameter": (

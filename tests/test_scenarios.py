@@ -147,6 +147,32 @@ def test_prefixed_outputs(tmp_path):
     assert linked == ["G1.V_t", "G2.V_t"]
 
 
+CHANNEL = (
+    PAPER.replace('connect.observer = "plant"', 'connect = { "channel.plant.*" = "plant", observer = "channel" }')
+    + 'fmu.channel = { model = "PmuChannel", parameters = { rate = 50.0, tve = 0.0 } }\n'
+)
+
+
+def test_what_passes_at_once_is_fed_with_fresh_outputs(run):
+    """A channel without noise is no channel: its frame of time t is the plant's of time t, and so are the inputs."""
+    change = "change = [{ at = 0.5, set = { P_m = 0.2, V_inf = 0.9 } }]\n"
+    estimates = tuple(f"observer.{name}" for name in ("delta", "omega", "e1d", "e1q"))
+    direct = run(PAPER + change + watched(*estimates))
+    values = run(CHANNEL + change + watched(*estimates, "plant.V_t", "channel.V_t", "channel.P_m"))
+    np.testing.assert_array_equal(values("channel.V_t"), values("plant.V_t"))
+    np.testing.assert_array_equal(values("channel.P_m")[0], np.where(np.arange(51) < 25, 0.1, 0.2))
+    for name in estimates:
+        np.testing.assert_allclose(values(name), direct(name), rtol=1e-7, atol=1e-7)  # P and Q: rounded anew
+
+
+def test_what_passes_at_once_passes_on_in_order(run):
+    """The second channel is declared, and so would be stepped, before the first."""
+    text = CHANNEL.replace('"channel.plant.*" = "plant"', '"channel.plant.*" = "first", "first.plant.*" = "plant"')
+    first = 'fmu.first = { model = "PmuChannel", parameters = { rate = 50.0, tve = 0.0 } }\n'
+    values = run(text + first + watched("plant.theta_t", "channel.theta_t"))
+    np.testing.assert_array_equal(values("channel.theta_t"), values("plant.theta_t"))
+
+
 def test_times_do_not_drift():
     scenario = loader.load("smib_revolutions")
     assert scenario.time(3600) == 60.0
