@@ -12,10 +12,12 @@ from .scenario import Expect, Scenario
 
 @dataclass(eq=False)
 class Instance:
-    """One instance of a component; `sweep` holds its values of `each`."""
+    """One instance of a component; `sweep` holds its values of `each`, and of the first column of `rows`."""
 
     component: str
     sweep: dict[str, Any]
+    row: dict[str, Any] = field(default_factory=dict)
+    """Of `rows`, by column."""
     parameters: dict[str, float] = field(default_factory=dict)
     inputs: dict[str, float] = field(default_factory=dict)
     """Inputs that are constant until a change."""

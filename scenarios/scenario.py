@@ -80,9 +80,13 @@ class Table(BaseModel):
 
 
 class Fmu(Table):
-    """One FMU; with `each`, one instance a value (or a combination of values), all connected alike."""
+    """One FMU; with `each`, one instance a value (or a combination of values), all connected alike.
+
+    `rows` is a CSV: one instance a row. Its first column is like a value of `each`, the others are values to fill in.
+    """
 
     model: str
+    rows: str | None = None
     each: dict[str, Annotated[list[Value], Field(min_length=1)]] = {}
     parameters: Values = {}
     inputs: Values = {}
@@ -123,9 +127,12 @@ class Panel(Table):
 
 
 class Figure(Table):
+    """`facet` is what an `each` or a `rows` sweeps: every panel is drawn once for each of its values."""
+
     name: str
     title: str
     panel: Annotated[list[Panel], Field(min_length=1)]
+    facet: str | None = None
     after: Time = Fraction(0)
     until: Time | None = None
 

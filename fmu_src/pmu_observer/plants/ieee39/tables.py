@@ -48,10 +48,6 @@ class Machines(NamedTuple):
     V_s_min: np.ndarray
 
 
-LOWEST_TQ10 = 0.01
-"""s; T'q0 of generator 10 is 0 in the table (no such winding), and 0.01 s in other copies of the data (TR18)."""
-
-
 def read(name: str) -> Dict[str, List[str]]:
     """The columns of a table by their names, without the comments on top."""
     with open(FOLDER / name, encoding="utf-8", newline="") as file:
@@ -85,7 +81,7 @@ def machines(salient: bool) -> Machines:
         xq=machine["xq"],
         xq1=machine["xq_t" if salient else "xd_t"],
         Td10=machine["Td0_t"],
-        Tq10=np.maximum(machine["Tq0_t"], LOWEST_TQ10),
+        Tq10=machine["Tq0_t"],
         **{name: avr[name] for name in ("TR", "KA", "TA", "TB", "TC")},
         E_f_max=avr["Efd_max"],
         E_f_min=avr["Efd_min"],
