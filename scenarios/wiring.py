@@ -39,7 +39,9 @@ def set_parameters(scenario: Scenario, lookup: Lookup) -> None:
         for name, value in fmu.parameters.items():
             variable = lookup.variable(where, component, name, "parameter")
             for instance in lookup.instances[component]:
-                instance.parameters[name] = number(where, variable, substituted(where, value, instance.row | instance.sweep))
+                instance.parameters[name] = number(
+                    where, variable, substituted(where, value, instance.row | instance.sweep)
+                )
 
 
 def set_inputs(scenario: Scenario, lookup: Lookup) -> None:
@@ -56,7 +58,9 @@ def set_inputs(scenario: Scenario, lookup: Lookup) -> None:
             for instance in lookup.instances[component]:
                 if name in instance.links:
                     raise ScenarioError(f"{where}: {name} is connected; remove it here or in [connect]")
-                instance.inputs[name] = number(where, variable, substituted(where, value, instance.row | instance.sweep))
+                instance.inputs[name] = number(
+                    where, variable, substituted(where, value, instance.row | instance.sweep)
+                )
 
 
 def connect(scenario: Scenario, lookup: Lookup) -> None:
