@@ -8,8 +8,11 @@ from .phasors import LOWEST_VOLTAGE, Frame, is_finite
 from .sampling import Interval
 from .speed import Rotor
 
-STILL = 1e-6
-"""rad between two frames; a rotor slower than that may well give the same frame twice."""
+STILL = 1e-4
+"""rad, the resolution of a PMU's angles: a rotor that turns less may well give the same frame again."""
+
+LONGEST_REPEAT = 1.0
+"""s for which a repeated frame is held over; then it is believed: the estimated speed is wrong."""
 
 GROSS = 25.0
 """Squared standard deviations beyond which a frame is a gross error."""

@@ -133,6 +133,7 @@ class State(NamedTuple):
     started: Scalar  # 0 until the first usable frame, then 1
     rejected: Scalar  # gross errors in a row
     elapsed: Scalar  # s, since the last frame due
+    gap: Scalar  # s, held over before that
     frame: Frame  # the last usable one, as it came
     moving: Scalar  # 1 if it differed from the one before
     signals: Signals  # of the last frame due, or what was held in its place
@@ -175,6 +176,7 @@ def start(name: str, xp, p: Parameters, inputs: Inputs, t):
         started=0.0,
         rejected=0.0,
         elapsed=0.0,
+        gap=0.0,
         frame=Frame(),
         moving=0.0,
         signals=some,
@@ -249,7 +251,9 @@ def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> Sta
 
     # the frame, or what is held in its place
     same = frames.is_same(xp, frame, state.frame)
-    stale = xp.logical_and(xp.logical_and(same, state.moving > 0), xp.abs(state.rotor.omega) * h > frames.STILL)
+    turning = xp.abs(state.rotor.omega) * (state.gap + h) > frames.STILL
+    stale = xp.logical_and(xp.logical_and(same, state.moving > 0), turning)
+    stale = xp.logical_and(stale, state.gap < frames.LONGEST_REPEAT)
     usable = xp.logical_and(usable, xp.logical_not(stale))
     held = held_over(xp, c, state)
     s = xp.cond(usable, lambda: s, lambda: held)
@@ -271,6 +275,7 @@ def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> Sta
         started=1.0,
         rejected=xp.where(gross, state.rejected + 1, 0.0),
         elapsed=0.0,
+        gap=xp.where(s.measured.held > 0, state.gap + h, 0.0),
         frame=xp.cond(usable, lambda: frame, lambda: state.frame),
         moving=xp.where(xp.logical_and(usable, xp.logical_not(same)), 1.0, state.moving),
         signals=s,
@@ -291,22 +296,26 @@ def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
     """The rotor, and the adaptive observer's state, at the end of an interval."""
     held = span.after.measured.held > 0
     known = p.mechanical_power == MEASURED
-    turn = unwrap(xp, estimate.delta - state.rotor.delta, state.rotor.omega * span.h)
 
+    # I&I takes a gap and the frame that ends it as one interval
+    whole = span._replace(h=state.gap + span.h)
+    before = state.rotor._replace(delta=state.rotor.delta - state.rotor.omega * state.gap)
+    turn = unwrap(xp, estimate.delta - before.delta, before.omega * whole.h)
     calibrating = xp.logical_and(xp.logical_not(held), p.speed_observer == ADAPTIVE)
     calibrated = xp.cond(
-        calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, span, turn), lambda: state.adaptive
+        calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, whole, turn), lambda: state.adaptive
     )
     a0, b0 = (state.adaptive.a0 + calibrated.a0) / 2, (state.adaptive.b0 + calibrated.b0) / 2
 
     def by_immersion_invariance():
         moved = xp.cond(
             known,
-            lambda: immersion_invariance.step_known(xp, state.rotor, a0, b0, p.k_speed, span, turn),
-            lambda: immersion_invariance.step_unknown(xp, state.rotor, c.a0, c.b0, p.k_speed, span, turn),
+            lambda: immersion_invariance.step_known(xp, before, a0, b0, p.k_speed, whole, turn),
+            lambda: immersion_invariance.step_unknown(xp, before, c.a0, c.b0, p.k_speed, whole, turn),
         )
         # a held P drives no swing
-        return xp.cond(held, lambda: state.rotor._replace(delta=estimate.delta), lambda: moved)
+        on = state.rotor._replace(delta=state.rotor.delta + state.rotor.omega * span.h)
+        return xp.cond(held, lambda: on, lambda: moved)
 
     rotor = xp.cond(
         p.speed_observer == KALMAN,
