@@ -1,4 +1,4 @@
-"""Builds the FMUs: python build_fmu.py [--native] [--only NAME] [--out DIR]"""
+"""Builds the FMUs: python build_fmu.py [--native | --ssp] [--only NAME] [--out DIR]"""
 
 import argparse
 import importlib
@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Callable
 
 from fmu_src import models
-from fmu_src.runtime import readme
+from fmu_src.runtime import readme, ssp
 from fmu_src.runtime.model import Model
 from fmu_src.runtime.python import build as python_fmu
+from fmu_src.systems.smib import SYSTEM
 
 OUT = Path("dist")
 README = Path(__file__).parent / "README.md"
@@ -45,8 +46,20 @@ def build_native(name: str, out: Path = OUT, say: Callable[[str], None] = lambda
     return path
 
 
+def build_ssp(out: Path = OUT, say: Callable[[str], None] = lambda message: None) -> Path:
+    """Build `out/smib.ssp` and the native FMUs in it, where they are missing or stale; return its path."""
+    fmus = {name: build_native(model.name, out, say) for name, model in SYSTEM.components.items()}
+    path = Path(out) / f"{SYSTEM.name}.ssp"
+    ssp.build(SYSTEM, fmus, path)
+    return path
+
+
 def report(path: Path) -> None:
-    print(f"{path}  {path.stat().st_size / 1000:.0f} kB", flush=True)
+    say(f"{path}  {path.stat().st_size / 1000:.0f} kB")
+
+
+def say(message: str) -> None:
+    print(message, flush=True)
 
 
 def main() -> int:
@@ -58,23 +71,26 @@ def main() -> int:
     parser.add_argument("--only", metavar="NAME", choices=names, help=f"build one FMU: {', '.join(names)}")
     parser.add_argument("--out", metavar="DIR", type=Path, default=OUT, help="where to write (default: %(default)s)")
     parser.add_argument("--native", action="store_true", help="build those without Python inside (extra: native)")
+    parser.add_argument("--ssp", action="store_true", help=f"build {SYSTEM.name}.ssp of native FMUs: a system to run")
     parser.add_argument("--readme", action="store_true", help="write the interface tables into README.md instead")
     arguments = parser.parse_args()
     if arguments.readme:
         changed = readme.update(README, [model for _, model in all_models().values()])
         print(f"{README}  {'updated' if changed else 'is up to date'}")
         return 0
-    for name in [arguments.only] if arguments.only else names:
-        if arguments.native and name not in native_names():
-            print(f"{name}: no native FMU, because its equations need more than the standard library")
-        elif arguments.native:
-            try:
-                path = build_native(name, arguments.out, lambda doing, name=name: print(f"{name}: {doing}", flush=True))
-            except ModuleNotFoundError as missing:
-                parser.error(f"--native needs {missing.name}: pip install '.[native]'")
-            report(path)
-        else:
-            report(build(name, arguments.out))
+    try:
+        if arguments.ssp:
+            report(build_ssp(arguments.out, say))
+            return 0
+        for name in [arguments.only] if arguments.only else names:
+            if not arguments.native:
+                report(build(name, arguments.out))
+            elif name in native_names():
+                report(build_native(name, arguments.out, say))
+            else:
+                say(f"{name}: no native FMU, because its equations need more than the standard library")
+    except ModuleNotFoundError as missing:
+        parser.error(f"{missing.name} is not installed, which native FMUs are built with: pip install '.[native]'")
     return 0
 
 

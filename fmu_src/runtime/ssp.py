@@ -31,7 +31,7 @@ def build(system: System, fmus: Dict[str, Path], path: Path) -> bool:
 
 
 def structure(system: System, sources: Dict[str, str]) -> bytes:
-    """SystemStructure.ssd. Only what is connected is a connector: the other inputs keep their start values."""
+    """SystemStructure.ssd. An input that is not connected is no connector, and keeps its start value."""
     spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{schema}" for prefix, schema in SCHEMAS.items()}
     root = Element("ssd:SystemStructureDescription", {**spaces, "version": "1.0", "name": system.name})
     root.set("generationTool", f"pmu-observer {VERSION}")
@@ -51,10 +51,9 @@ def structure(system: System, sources: Dict[str, str]) -> bytes:
 
 def component(parent: Element, system: System, name: str, source: str) -> None:
     element = SubElement(parent, "ssd:Component", name=name, type="application/x-fmu-sharedlibrary", source=source)
-    connected = {end for ends in system.connections.items() for end in ends}
     connectors = SubElement(element, "ssd:Connectors")
     for port in ports(system.components[name]):
-        if f"{name}.{port.variable.name}" in connected:
+        if port.causality == "output" or f"{name}.{port.variable.name}" in system.connections:
             connector = SubElement(connectors, "ssd:Connector", name=port.variable.name, kind=port.causality)
             SubElement(connector, f"ssc:{kind_of(port.variable.specification)}")
 

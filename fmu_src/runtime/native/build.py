@@ -43,14 +43,14 @@ def build(model: Model, path: Path, say: Callable[[str], None]) -> bool:
 
     `say` is told what is being done. Raises RuntimeError if the C does not compile.
     """
-    say("equations to C")
+    say(f"{model.name}: equations to C")
     compiler = f"ziglang {metadata.version('ziglang')} {FLAGS} {TARGETS}".encode()
     described = {"modelDescription.xml": description(model, ""), "compiler": compiler}
     guid = guid_of(content_hash({**sources(model, ""), **described}))
     if is_current(path, description(model, guid)):
         return False
 
-    say(f"C to binaries for {', '.join(TARGETS)} (minutes the first time, then seconds)")
+    say(f"{model.name}: C to binaries for {', '.join(TARGETS)} (minutes the first time, then seconds)")
     code = sources(model, guid)
     files = {f"sources/{name}": content for name, content in code.items()}
     files["modelDescription.xml"] = description(model, guid)

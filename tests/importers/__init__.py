@@ -1,0 +1,1 @@
+"""The FMUs in other people's importers, one a file; `python -m tests.importers` runs them all and makes the table."""
