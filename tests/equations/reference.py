@@ -268,7 +268,7 @@ def mixed(rows) -> tuple[float, float, float]:
 
 
 def estimated_angle(s: Seen, x, pair: complex) -> float:
-    """x1 from e^{j x1} pair = W, continued from the true angle; a pair of zero is taken to be along q, where E_f drives it."""
+    """x1 from e^{j x1} pair = W, continued from the true angle; zero is taken along q, where E_f drives it."""
     along = pair if pair != 0 else 1j
     return x[0] + np.angle(complex(x[2], x[3]) / along)
 

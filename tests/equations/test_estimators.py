@@ -1,7 +1,8 @@
 """Every estimator against its continuous equations, solved by scipy's solve_ivp for the same machine.
 
-Halving h divides the error by 4: the sampled step is of second order. At its stiff gains the overparameterised estimator
-is of first order: Theta' = -Gamma psi (psi^T Theta - y_E) keeps psi^T Theta = y_E all the time, the sampled one at frames.
+Halving h divides the error by 4: the sampled step is of second order. At its stiff gains the overparameterised
+estimator is of first order: Theta' = -Gamma psi (psi^T Theta - y_E) keeps psi^T Theta = y_E all the time, the sampled
+one only at frames.
 """
 
 from typing import Callable, NamedTuple

@@ -56,7 +56,7 @@ def signals_of(case, x):
 def test_lemma_2_the_frame_gives_the_internal_voltage(case, x):
     s, _, found = signals_of(case, x)
     # E' is a difference of phasors of up to 3 pu and x' I of up to 5 pu; its square is divided by nothing
-    assert found.Y1 == pytest.approx(x[2] ** 2 + x[3] ** 2, abs=1e-13)
+    assert pytest.approx(x[2] ** 2 + x[3] ** 2, abs=1e-13) == found.Y1
     assert complex(found.Y2, found.Y3) == pytest.approx(np.exp(1j * x[0]) * complex(x[2], x[3]), abs=1e-12)
     assert found.measured[:3] == (np.angle(s.V), abs(s.V), abs(s.I))
 

@@ -25,7 +25,7 @@ def test_determinants(rows, scale):
 
 @pytest.mark.parametrize("d", [0.5, 8.0, 1000.0])
 def test_low_pass_is_exact_for_a_polygon(d):
-    """d/(s + d) on a signal that is linear between its samples: scipy.signal.lsim does the same by a matrix exponential."""
+    """d/(s + d) on a signal that is linear between its samples: lsim does the same by a matrix exponential."""
     h, n = 0.02, 50
     w = np.random.default_rng(0).normal(size=n)
     _, expected, _ = lsim(([d], [1, d]), w, np.arange(n) * h, interp=True)
