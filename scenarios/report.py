@@ -28,9 +28,9 @@ def errors_at(results: Results) -> list[tuple[Signal, dict[str, float]]]:
 def print_tables(console: Console, results: Results, verdicts: list[Verdict]) -> None:
     rows = errors_at(results)
     if rows:
-        table = Table("error", Column("of", overflow="fold"), **PLAIN)
+        table = Table(Column("error", no_wrap=True), Column("of", overflow="fold"), **PLAIN)
         for time in rows[0][1]:
-            table.add_column(f"at {time} s", justify="right")
+            table.add_column(f"at {time} s", justify="right", no_wrap=True)
         for signal, values in rows:
             table.add_row(
                 signal.name + in_unit(", ", signal.unit),
@@ -39,8 +39,10 @@ def print_tables(console: Console, results: Results, verdicts: list[Verdict]) ->
             )
         console.print(table, "", highlight=False)
     if verdicts:
-        table = Table("expected of", Column(overflow="fold"), "when", "value", **PLAIN)
-        table.add_column("measured", justify="right")
+        table = Table(Column("expected of", overflow="fold"), Column(overflow="fold"), **PLAIN)
+        table.add_column("when", no_wrap=True)
+        table.add_column("value", no_wrap=True)
+        table.add_column("measured", justify="right", no_wrap=True)
         table.add_column("")
         for v in verdicts:
             mark = "[green]holds[/]" if v.holds else "[bold red]FAILS[/]"
