@@ -1,4 +1,4 @@
-"""A three-phase fault of 100 ms at generator 6: with constant E_f, with an exciter that forces E_f, with subtransients."""
+"""A three-phase fault of 100 ms at generator 6: constant E_f, an exciter that forces E_f, subtransient windings."""
 
 import argparse
 
