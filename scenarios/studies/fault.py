@@ -1,4 +1,4 @@
-"""A three-phase fault of 100 ms at generator 6: with constant E_f, with an exciter that forces E_f, with subtransients."""
+"""A three-phase fault of 100 ms at generator 6: with E_f constant, with an exciter that forces it, and subtransients."""
 
 import argparse
 
