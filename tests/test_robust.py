@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from fmu_src.pmu_observer import observer, phasors, sampling, tree
+from fmu_src.pmu_observer import noise, observer, phasors, sampling, tree
 from fmu_src.pmu_observer.angle import Covariance
 from fmu_src.pmu_observer.carriers import arrays, floats, symbols
 from fmu_src.pmu_observer.estimators import kalman
@@ -48,6 +48,29 @@ def a_gaussian(rng):
     return kalman.Gaussian(Vector(0.58, 1.04), 2.2, covariance)
 
 
+def by_nu(t: kalman.Transition, nu, x):
+    """The error of A that an error of nu makes, times x, over the time in t; with what decays in an interval."""
+    b2, b1 = t.b
+    assert (b2, b1) == pytest.approx((C.b2, C.b1), rel=0.1)
+    return np.array([[b2 * nu.re, b2 * nu.im], [-b1 * nu.im, b1 * nu.re]]) @ x[:2]
+
+
+def test_what_noise_does_to_the_signals():
+    """Mean, variances and covariance of Y1 and nu over 4e5 noisy frames: to 2 %, which is 5 standard errors or more."""
+    tve, rng = 0.003, np.random.default_rng(4)
+    V, I = np.full(400_000, 1.03 * np.exp(0.3j)), np.full(400_000, 6.4 * np.exp(0.1j))  # noqa: E741
+    clean = phasors.signals(floats, C, measured(tve=tve))
+    V, I, _ = frames.noise(tve)(0, rng, V, I)  # noqa: E741
+    noisy = phasors.signals(arrays, C, phasors.measurement(arrays, frames.frame(V, I), 0.0, 0.0, False))
+    dY1, dnu = noisy.Y1 - clean.Y1, noisy.nu.re - clean.nu.re + 1j * (noisy.nu.im - clean.nu.im)
+    s2, R = noise.of_Y1(C, clean)
+    assert np.mean(abs(V * 1j - I * C.x - (clean.Y2 + 1j * clean.Y3)) ** 2) == pytest.approx(s2, rel=0.02)
+    assert np.var(dY1) == pytest.approx(R, rel=0.02)
+    assert np.mean(abs(dnu) ** 2) == pytest.approx(noise.of_nu(clean), rel=0.02)
+    both = noise.of_nu_and_Y1(clean)
+    assert abs(np.mean(dnu * dY1) - (both.re + 1j * both.im)) < 0.02 * abs(both.re + 1j * both.im)
+
+
 # One filter -------------------------------------------------------------------------------------------------------
 
 
@@ -62,8 +85,7 @@ def test_prediction_is_that_of_a_dense_kalman_filter(seed):
     augmented[:2, :2] = A
     augmented[1, 2] = C.c1
     F = expm(augmented * H)
-    J = np.array([[C.b2 * t.jump.nu.re, C.b2 * t.jump.nu.im], [-C.b1 * t.jump.nu.im, C.b1 * t.jump.nu.re]])
-    n = np.append(H / 2 * J @ v.x, 0.0)
+    n = np.append(by_nu(transition, transition.jump, v.x), 0.0)
     Q = np.diag([transition.Q.d, transition.Q.q, 1e-4]) + np.outer(n, n)
     assert n @ n > 0  # the interval has a jump
     np.testing.assert_allclose([*predicted.x, predicted.E_f], F @ [*v.x, v.E_f], rtol=0, atol=1e-9)
@@ -72,16 +94,19 @@ def test_prediction_is_that_of_a_dense_kalman_filter(seed):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
+    """With a noise that is in the prediction too: C = E[e_x e_y]."""
     v, R = a_gaussian(np.random.default_rng(seed)), 1e-3
+    t = kalman.transition(floats, C, an_interval(E_f_known=0.0, tve=0.001), 0.0, 0.0)
     P, x = dense(v.P), np.array([*v.x, v.E_f])
     Hessian = np.diag([2.0, 2.0, 0.0])
     Y1 = x[:2] @ x[:2] + 0.01
     gradient = Hessian @ x
     r = Y1 - (x[:2] @ x[:2] + np.trace(Hessian @ P) / 2)
-    S = gradient @ P @ gradient + np.trace(Hessian @ P @ Hessian @ P) / 2 + R
+    common = np.append(by_nu(t, t.common, x), 0.0)
+    S = gradient @ P @ gradient - 2 * gradient @ common + np.trace(Hessian @ P @ Hessian @ P) / 2 + R
     assert r * r < 9 * S  # else the gain is limited
-    K = P @ gradient / S
-    updated = kalman.update(floats, v, Y1, R)
+    K = (P @ gradient - common) / S
+    updated = kalman.update(floats, t, v, Y1, R)
     np.testing.assert_allclose([*updated.gaussian.x, updated.gaussian.E_f], x + K * r, rtol=1e-12)
     np.testing.assert_allclose(dense(updated.gaussian.P), P - np.outer(K, K) * S, rtol=1e-12, atol=1e-15)
     assert updated.innovation == pytest.approx(r / np.sqrt(S), rel=1e-12)
@@ -93,11 +118,13 @@ def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
 def test_an_outlier_moves_the_estimate_by_a_bounded_amount(excess):
     """The gain P H^T/max(S, r^2/9) times r is at most 3 P H^T/sqrt(S)... and never makes P indefinite."""
     v = a_gaussian(np.random.default_rng(1))
-    updated = kalman.update(floats, v, v.x.d**2 + v.x.q**2 + excess, 1e-3).gaussian
+    t = kalman.transition(floats, C, an_interval(E_f_known=0.0, tve=0.001), 0.0, 0.0)
+    updated = kalman.update(floats, t, v, v.x.d**2 + v.x.q**2 + excess, 1e-3).gaussian
     P, gradient = dense(v.P), np.array([2 * v.x.d, 2 * v.x.q, 0.0])
-    S = gradient @ P @ gradient + 1e-3
+    common = np.append(by_nu(t, t.common, np.array(v.x)), 0.0)
+    S = gradient @ P @ gradient - 2 * gradient @ common + 1e-3
     moved = np.array([*updated.x, updated.E_f]) - [*v.x, v.E_f]
-    assert np.all(abs(moved) <= 3 * abs(P @ gradient) / np.sqrt(S) + 1e-12)
+    assert np.all(abs(moved) <= 3 * abs(P @ gradient - common) / np.sqrt(S) + 1e-12)
     assert np.linalg.eigvalsh(dense(updated.P)).min() > -1e-12
 
 

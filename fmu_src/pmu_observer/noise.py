@@ -6,6 +6,7 @@ A total vector error tve on V and I: complex noise with E|n|^2 = (tve |.|)^2 on 
 from typing import NamedTuple
 
 from .interface import Scalar
+from .linear import Complex
 from .machine import Constants
 from .phasors import Signals
 
@@ -27,6 +28,18 @@ def of_nu(s: Signals):
     re, im = s.nu.re, s.nu.im
     one = 1 + re
     return 2 * s.measured.tve * s.measured.tve * (re * re + im * im) * (one * one + im * im)
+
+
+def of_nu_and_Y1(s: Signals) -> Complex:
+    """E[dnu dY1] = -Y1 tve^2 nu (1 + nu)(1 + 2 conj(nu)), pu^2: the same noise is in both.
+
+    With n = j (dV + j x' dI), dV = v V, dI = i I and eta = conj(nu): n/(j E') = (1 + eta) v - eta i,
+    deta = eta (1 + eta)(i - v), dY1 = 2 Y1 Re(n/(j E')), to first order in v and i.
+    """
+    re, im = s.nu.re, s.nu.im
+    a, b = re * (1 + re) - im * im, im * (1 + 2 * re)
+    scale = -s.Y1 * s.measured.tve * s.measured.tve
+    return Complex(scale * (a * (1 + 2 * re) + 2 * b * im), scale * (b * (1 + 2 * re) - 2 * a * im))
 
 
 class Estimate(NamedTuple):

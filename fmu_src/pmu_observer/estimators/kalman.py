@@ -30,7 +30,8 @@ class Transition(NamedTuple):
     G: Vector
     Q: Vector  # variances that the noise of A adds, pu^2
     jump: Complex  # of nu, times h/2: A is wrong by that for half the interval
-    b: Vector  # b2, b1
+    common: Complex  # E[dnu dY1], pu^2, times h: what the frame's noise does to A, it does to Y1 too
+    b: Vector  # b2, b1, 1/s, less what decays within the interval
     E_f: Scalar  # pu, measured
     E_f_known: Scalar
 
@@ -44,36 +45,46 @@ class Updated(NamedTuple):
 def transition(xp, c: Constants, interval: Interval, E_f_known, gap) -> Transition:
     """The transition of an interval `gap` s after the last usable frame (0: the interval ends with one).
 
-    E|dnu|^2 = v makes (h b2)^2 v Y1/2 of E'd and (h b1)^2 v Y1/2 of E'q, less what decays within the interval;
-    without it the filter is sure of itself and wrong. In a gap, nu walks away by 0.002 per s of it and sqrt(s).
+    E|dnu|^2 = v adds the variance (h b2)^2 v Y1/2 to E'd and (h b1)^2 v Y1/2 to E'q, less what decays within the
+    interval; without it the filter is sure of itself and wrong. In a gap, nu walks away by 0.002 per s and sqrt(s).
     """
     h, s, flow = interval.h, interval.after, interval.flow
     variance = h * h * noise.of_nu(s) * s.Y1 / 2
     drift = 0.002 * gap
     in_gap = drift * drift * h * s.Y1
 
-    def accumulated(b, rate):
-        mean = decay_mean(xp, xp.maximum(-rate, 0.0) * h)
-        return b * b * (variance * mean * mean + in_gap)
-
+    b = Vector(
+        c.b2 * decay_mean(xp, xp.maximum(-s.A.dd, 0.0) * h),
+        c.b1 * decay_mean(xp, xp.maximum(-s.A.qq, 0.0) * h),
+    )
+    common = noise.of_nu_and_Y1(s)
     known = E_f_known > 0
     forcing_error = c.c1 * h / 2 * interval.jump.E_f
     return Transition(
         F=flow.F,
         g=Vector(xp.where(known, flow.g.d, 0.0), xp.where(known, flow.g.q, 0.0)),
         G=Vector(xp.where(known, 0.0, c.c1 * flow.unit.d), xp.where(known, 0.0, c.c1 * flow.unit.q)),
-        Q=Vector(accumulated(c.b2, s.A.dd), accumulated(c.b1, s.A.qq) + forcing_error * forcing_error),
+        Q=Vector(
+            b.d * b.d * (variance + in_gap),
+            b.q * b.q * (variance + in_gap) + forcing_error * forcing_error,
+        ),
         jump=Complex(h / 2 * interval.jump.nu.re, h / 2 * interval.jump.nu.im),
-        b=Vector(c.b2, c.b1),
+        common=Complex(h * common.re, h * common.im),
+        b=b,
         E_f=s.measured.E_f,
         E_f_known=E_f_known,
     )
 
 
+def by_nu(t: Transition, dnu: Complex, x: Vector) -> Vector:
+    """What an error dnu of nu, times the time it lasts, does to x: (b2 Re, -b1 Im)(dnu conj(x3 + j x4))."""
+    return Vector(t.b.d * (dnu.re * x.d + dnu.im * x.q), t.b.q * (dnu.re * x.q - dnu.im * x.d))
+
+
 def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
     """x+ = F x + g + G E_f,  P+ = [F G; 0 1] P [F G; 0 1]^T + Q + n n^T;  `walk` is the variance that E_f adds, pu^2.
 
-    n = (b2 Re, -b1 Im)(jump conj(x3 + j x4)) is what a jump of nu at an unknown instant does.
+    n is what a jump of nu at an unknown instant does.
     """
     F, G, P = t.F, t.G, v.P
     moved = apply(F, v.x)
@@ -85,12 +96,11 @@ def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
     qd = F.qd * P.dd + F.qq * P.dq + G.q * P.df
     qq = F.qd * P.dq + F.qq * P.qq + G.q * P.qf
     qf = F.qd * P.df + F.qq * P.qf + G.q * P.ff
-    n_d = t.b.d * (t.jump.re * v.x.d + t.jump.im * v.x.q)
-    n_q = t.b.q * (t.jump.re * v.x.q - t.jump.im * v.x.d)
+    n = by_nu(t, t.jump, v.x)
     covariance = Covariance(
-        dd=dd * F.dd + dq * F.dq + df * G.d + t.Q.d + n_d * n_d,
-        dq=dd * F.qd + dq * F.qq + df * G.q + n_d * n_q,
-        qq=qd * F.qd + qq * F.qq + qf * G.q + t.Q.q + n_q * n_q,
+        dd=dd * F.dd + dq * F.dq + df * G.d + t.Q.d + n.d * n.d,
+        dq=dd * F.qd + dq * F.qq + df * G.q + n.d * n.q,
+        qq=qd * F.qd + qq * F.qq + qf * G.q + t.Q.q + n.q * n.q,
         df=df,
         qf=qf,
         ff=P.ff + walk,
@@ -112,18 +122,23 @@ def across(x: Vector) -> Vector:
     return Vector(-x.q / r2, x.d / r2)
 
 
-def update(xp, v: Gaussian, Y1, R) -> Updated:
+def update(xp, t: Transition, v: Gaussian, Y1, R) -> Updated:
     """With Y1, less the mean of its error, and the error's variance R; to second order in the error of x:
 
-    r = Y1 - |x|^2 - tr P,   S = H P H^T + 2 tr P^2 + R,   H = 2 x^T,   K = P H^T/max(S, r^2/9)
+    r = Y1 - |x|^2 - tr P,   S = H P H^T - 2 H C + 2 tr P^2 + R,   H = 2 x^T,   K = (P H^T - C)/max(S, r^2/9)
+
+    C is the covariance of the errors of x and Y1: the frame at the end of the interval went into A, by half for this
+    interval and by half for the next one.
     """
     d, q, P = v.x.d, v.x.q, v.P
-    # P H^T
-    hd = 2 * (d * P.dd + q * P.dq)
-    hq = 2 * (d * P.dq + q * P.qq)
+    C = by_nu(t, t.common, v.x)
+    # P H^T - C
+    hd = 2 * (d * P.dd + q * P.dq) - C.d
+    hq = 2 * (d * P.dq + q * P.qq) - C.q
     hf = 2 * (d * P.df + q * P.qf)
     r = Y1 - d * d - q * q - P.dd - P.qq
-    S = 2 * (d * hd + q * hq + P.dd * P.dd + 2 * P.dq * P.dq + P.qq * P.qq) + R
+    S = 2 * (d * (hd - C.d) + q * (hq - C.q) + P.dd * P.dd + 2 * P.dq * P.dq + P.qq * P.qq) + R
+    S = xp.maximum(S, R / 10)  # x far off the circle
     normalised2 = r * r / S
     weight = 1 / (S * xp.maximum(normalised2 / 9, 1.0))  # beyond 3 standard deviations a residual counts no further
     kd, kq, kf = weight * hd, weight * hq, weight * hf

@@ -123,7 +123,7 @@ def step(xp, p, c, state, interval):
 
     walk = WALK_TRACKER * (1 + FORCING * xp.exp(-calm / FORCING_DECAY))
     predicted = kalman.predict(xp, t, state.tracker, unknown * walk * walk)
-    u = updated(xp, c, predicted, s)
+    u = updated(xp, c, t, predicted, s)
 
     before = state.supervision
     before = before._replace(tracker_score=before.tracker_score + u.log_likelihood, age=before.age + h)
@@ -158,13 +158,13 @@ def step(xp, p, c, state, interval):
     )
 
 
-def updated(xp, c, predicted: Gaussian, s) -> Updated:
+def updated(xp, c, t, predicted: Gaussian, s) -> Updated:
     """With the frame, if it is one."""
     s2, R = noise.of_Y1(c, s)
     return xp.cond(
         s.measured.held > 0,
         lambda: Updated(predicted, 0.0, 0.0),
-        lambda: kalman.update(xp, predicted, s.Y1 - s2, R),
+        lambda: kalman.update(xp, t, predicted, s.Y1 - s2, R),
     )
 
 
@@ -172,7 +172,7 @@ def supervise(xp, c, before: Supervision, tracker: Gaussian, tracking, s, t, wal
     """The bank over the interval; is one well left, does the bank replace the tracker, and what does it do next?"""
     bank, scores = [], []
     for gaussian, score in before.bank:
-        u = updated(xp, c, kalman.predict(xp, t, gaussian, walk), s)
+        u = updated(xp, c, t, kalman.predict(xp, t, gaussian, walk), s)
         bank.append(Hypothesis(u.gaussian, score + u.log_likelihood))
         # (x, E_f) -> (-x, -E_f) is a solution too, and E_f > -0.5 excludes it
         scores.append(xp.where(u.gaussian.E_f < -0.5, -1e6, score + u.log_likelihood))
