@@ -37,7 +37,8 @@ def verdict(results: Results, expect: Expect, signal: Signal) -> Verdict:
         first = last = scenario.index(expect.at)
         when = f"at {float(expect.at):g} s"
     else:
-        first, last = scenario.index(expect.after or scenario.stop), scenario.index(expect.until or scenario.stop)
+        first = scenario.index(scenario.stop if expect.after is None else expect.after)
+        last = scenario.index(expect.until or scenario.stop)
         when = f"{scenario.time(first):g} s to {scenario.time(last):g} s"
     values = results.of(signal)[first : last + 1]
 

@@ -27,12 +27,19 @@ CONSTANTS = {"pi": pi}
 
 @dataclass(frozen=True)
 class Expression:
+    source: str
+    """As written."""
     text: str
-    """As written, without the unit."""
+    """Without the unit."""
     written_unit: str | None
     tree: ast.expr
     names: frozenset[str]
     """Of the variables: `plant.delta`, or a column of a record."""
+
+    @property
+    def keys(self) -> list[str]:
+        """What is to be filled in before it has a value: `unit` in plant.G{unit}.delta."""
+        return KEY.findall(self.source)
 
     def __call__(self, values: Mapping[str, Any]) -> Any:
         """The value, from those of the variables in `names` (numbers or arrays of one shape)."""
@@ -49,16 +56,22 @@ class Expression:
         return unit
 
 
+KEY = re.compile(r"{(\w+)}")
+
+
 def parse(text: str) -> Expression:
-    """Raises ValueError, saying what is wrong, for what is not an expression."""
+    """An expression, perhaps with values of a sweep still to be filled in.
+
+    Raises ValueError, saying what is wrong, for what is not one.
+    """
     match = re.fullmatch(r"\s*(?P<expression>.*?)\s*(\[(?P<unit>[^\[\]]+)\])?\s*", text)
     if match is None or not match["expression"]:
         raise ValueError('this is not an expression; write for instance "observer.e1d - plant.e1d [pu]"')
     try:
-        tree = ast.parse(match["expression"], mode="eval").body
+        tree = ast.parse(KEY.sub(r"\1", match["expression"]), mode="eval").body
     except SyntaxError as error:
         raise ValueError(f"this is not an expression: {error.msg}") from error
-    return Expression(match["expression"], match["unit"], tree, frozenset(names_in(tree)))
+    return Expression(text, match["expression"], match["unit"], tree, frozenset(names_in(tree)))
 
 
 def names_in(node: ast.expr) -> set[str]:

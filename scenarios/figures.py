@@ -1,6 +1,7 @@
 """The figures of a run: [[figure]] in its scenario."""
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -12,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from .master import Results
-from .plan import sweep_text
+from .plan import agree, sweep_text
 from .scenario import Figure, Panel
 
 PANEL = (5.2, 2.9)
@@ -22,13 +23,16 @@ STYLES = ("-", "--", ":", "-.")
 
 
 def draw(results: Results, figure: Figure, path: Path) -> None:
-    columns = 1 if len(figure.panel) < 4 else 2
-    rows = -(-len(figure.panel) // columns)
+    panels = [(panel, sweep) for sweep in facets(results, figure) for panel in figure.panel]
+    columns = 1 if len(panels) < 4 else 2
+    rows = -(-len(panels) // columns)
     size = (PANEL[0] * (2 if columns == 2 else 1.6), PANEL[1] * rows)
     with plt.style.context("seaborn-v0_8-whitegrid"):
         canvas, axes = plt.subplots(rows, columns, figsize=size, sharex=True, squeeze=False, layout="constrained")
-        drawn = [draw_panel(results, figure, panel, ax) for ax, panel in zip(axes.flat, figure.panel, strict=False)]
-        for ax in axes.flat[len(figure.panel) :]:
+        drawn = [
+            draw_panel(results, figure, panel, sweep, ax) for ax, (panel, sweep) in zip(axes.flat, panels, strict=False)
+        ]
+        for ax in axes.flat[len(panels) :]:
             ax.remove()
         for ax in axes[-1]:
             ax.set_xlabel("time [s]")
@@ -37,17 +41,26 @@ def draw(results: Results, figure: Figure, path: Path) -> None:
             needed = -(-length // round(11 * size[0]))  # rows, of 11 characters an inch
             canvas.legend(handles=drawn[0], loc="outside lower center", ncols=-(-len(drawn[0]) // needed))
         else:
-            for ax in axes.flat[: len(figure.panel)]:
+            for ax in axes.flat[: len(panels)]:
                 ax.legend(frameon=True, fontsize="small")
         canvas.suptitle(figure.title)
         canvas.savefig(path, dpi=120)
         plt.close(canvas)
 
 
-def draw_panel(results: Results, figure: Figure, panel: Panel, ax: Axes) -> list[Line2D]:
+def facets(results: Results, figure: Figure) -> list[dict[str, Any]]:
+    """What the panels of a figure are drawn for, one after the other."""
+    if figure.facet is None:
+        return [{}]
+    sweeps = [instance.sweep for instance in results.plan.instances]
+    values = dict.fromkeys(sweep[figure.facet] for sweep in sweeps if figure.facet in sweep)
+    return [{figure.facet: value} for value in values]
+
+
+def draw_panel(results: Results, figure: Figure, panel: Panel, chosen: dict[str, Any], ax: Axes) -> list[Line2D]:
     """What is not swept in black, each value of a sweep in its colour, each further curve in its own style.
 
-    Two standard deviations on either side of a curve with a band.
+    Two standard deviations on either side of a curve with a band. Only what agrees with the `chosen` facet is drawn.
     """
     scenario = results.plan.scenario
     shown = slice(scenario.index(figure.after), scenario.index(figure.until or scenario.stop) + 1)
@@ -56,13 +69,15 @@ def draw_panel(results: Results, figure: Figure, panel: Panel, ax: Axes) -> list
     units: dict[str, None] = {}
     lines = []
     for number, name in enumerate(panel.curves):
-        signals = results.plan.signals[name]
+        signals = [signal for signal in results.plan.signals[name] if agree(chosen, signal.sweep)]
         # later ones are thinner: what lies on top of each other is seen
         for signal, width in zip(signals, np.linspace(1.4 + 1.2 * (len(signals) > 1), 1.4, len(signals)), strict=True):
-            key = sweep_text(signal.sweep)
-            colour = colours.setdefault(key, f"C{len(colours)}") if key else "black"
+            key = sweep_text({k: value for k, value in signal.sweep.items() if k not in chosen})
+            # in a facet only the first curve, the truth, is black
+            coloured = key or (chosen and number)
+            colour = colours.setdefault(key, f"C{len(colours)}") if coloured else "black"
             # what the axis says already is not repeated: "observer, gamma = 1e15"
-            named = name if len(quantities) > 1 else name.removesuffix(quantity(name)).removesuffix(".")
+            named = signal.name if len(quantities) > 1 else name.partition(".")[0] if "." in name else ""
             lines += ax.plot(
                 results.time[shown],
                 np.abs(results.of(signal)[shown]) if panel.log else results.of(signal)[shown],
@@ -79,7 +94,7 @@ def draw_panel(results: Results, figure: Figure, panel: Panel, ax: Axes) -> list
     text = quantities.pop() if len(quantities) == 1 else ""
     unit = "" if list(units) == ["1"] else f"[{', '.join(units)}]"
     ax.set_ylabel(f"{f'|{text}|' if panel.log else text} {unit}".strip())
-    ax.set_title(panel.title, fontsize="medium")
+    ax.set_title(panel.title.format(**chosen), fontsize="medium")
     if panel.log:
         ax.set_yscale("log")
     if panel.range:
@@ -88,8 +103,8 @@ def draw_panel(results: Results, figure: Figure, panel: Panel, ax: Axes) -> list
 
 
 def quantity(name: str) -> str:
-    """`delta` of `plant.delta`; an error is its own."""
-    return name.partition(".")[2] or name
+    """`delta` of `plant.delta` and of `plant.G{unit}.delta`; an error is its own."""
+    return name.partition(".")[2].rpartition("}.")[2] or name
 
 
 def legend(lines: list[Line2D]) -> list[tuple]:

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 from .component import Component, Variable
 from .errors import ScenarioError, alternatives
 from .plan import Instance, agree, sweep_text
+from .record import read_columns
 from .scenario import Scenario
 
 
@@ -55,22 +57,41 @@ class Lookup:
             )
         return found[0]
 
-    def combinations(self, components: Iterable[str]) -> list[dict[str, Instance]]:
-        """The instances of several components that belong together, by component."""
-        found: list[dict[str, Instance]] = [{}]
+    def combinations(
+        self, components: Iterable[str], keys: Iterable[str]
+    ) -> list[tuple[dict[str, Any], dict[str, Instance]]]:
+        """What several components and keys sweep, with the instances of the components that belong together."""
+        found: list[tuple[dict[str, Any], dict[str, Instance]]] = [({}, {})]
+        for key in keys:
+            found = [({**sweep, key: value}, {}) for sweep, _ in found for value in self.swept(key)] or found
         for component in components:
             found = [
-                {**chosen, component: instance}
-                for chosen in found
+                ({**sweep, **instance.sweep}, {**chosen, component: instance})
+                for sweep, chosen in found
                 for instance in self.instances[component]
-                if all(agree(other.sweep, instance.sweep) for other in chosen.values())
+                if agree(sweep, instance.sweep)
             ]
         return found
 
+    def swept(self, key: str) -> list[Any]:
+        """The values of a key of `each`, of whatever component."""
+        sweeps = [instance.sweep for group in self.instances.values() for instance in group]
+        return list(dict.fromkeys(sweep[key] for sweep in sweeps if key in sweep))
+
 
 def instances_of(scenario: Scenario, name: str) -> Iterable[Instance]:
-    each = scenario.fmu[name].each if name in scenario.fmu else {}
-    return (Instance(name, dict(zip(each, values, strict=True))) for values in product(*each.values()))
+    fmu = scenario.fmu.get(name)
+    if fmu is None:
+        return [Instance(name, {})]
+    rows = rows_of(f"fmu.{name}.rows", scenario.folder / fmu.rows) if fmu.rows else [{}]
+    sweeps = [dict(zip(fmu.each, values, strict=True)) for values in product(*fmu.each.values())]
+    return [Instance(name, dict(list(row.items())[:1]) | sweep, row) for row in rows for sweep in sweeps]
+
+
+def rows_of(where: str, path: Path) -> list[dict[str, Any]]:
+    columns = read_columns(path, where)
+    rows = zip(*[column.tolist() for column in columns.values()], strict=True)
+    return [{name: int(v) if v.is_integer() else v for name, v in zip(columns, row, strict=True)} for row in rows]
 
 
 def split(where: str, reference: str) -> tuple[str, str]:

@@ -30,6 +30,11 @@ class Instance:
     def label(self) -> str:
         return self.component + in_brackets(self.sweep)
 
+    @property
+    def values(self) -> dict[str, Any]:
+        """What "{gamma}" can stand for."""
+        return self.row | self.sweep
+
 
 class Source(NamedTuple):
     instance: Instance

@@ -39,9 +39,7 @@ def set_parameters(scenario: Scenario, lookup: Lookup) -> None:
         for name, value in fmu.parameters.items():
             variable = lookup.variable(where, component, name, "parameter")
             for instance in lookup.instances[component]:
-                instance.parameters[name] = number(
-                    where, variable, substituted(where, value, instance.row | instance.sweep)
-                )
+                instance.parameters[name] = number(where, variable, substituted(where, value, instance.values))
 
 
 def set_inputs(scenario: Scenario, lookup: Lookup) -> None:
@@ -58,9 +56,7 @@ def set_inputs(scenario: Scenario, lookup: Lookup) -> None:
             for instance in lookup.instances[component]:
                 if name in instance.links:
                     raise ScenarioError(f"{where}: {name} is connected; remove it here or in [connect]")
-                instance.inputs[name] = number(
-                    where, variable, substituted(where, value, instance.row | instance.sweep)
-                )
+                instance.inputs[name] = number(where, variable, substituted(where, value, instance.values))
 
 
 def connect(scenario: Scenario, lookup: Lookup) -> None:
@@ -72,7 +68,7 @@ def connect(scenario: Scenario, lookup: Lookup) -> None:
         component, _, name = target.partition(".")
         lookup.component(where, component)
         for instance in lookup.instances[component]:
-            chosen = substituted(where, source, instance.row | instance.sweep)
+            chosen = substituted(where, source, instance.values)
             if name and not name.endswith("*"):
                 link(lookup, where, instance, name, *split(where, chosen))
             else:
@@ -116,7 +112,7 @@ def changes_of(scenario: Scenario, lookup: Lookup, change: toml.Change) -> Itera
             for instance in lookup.instances[component]:
                 if variable.name in instance.links:
                     raise ScenarioError(f"{where}: {component}.{variable.name} is connected; change what feeds it")
-                new = number(where, variable, substituted(where, value, instance.row | instance.sweep))
+                new = number(where, variable, substituted(where, value, instance.values))
                 yield Change(scenario.index(change.at), instance, {variable.name: new})
 
 
