@@ -12,6 +12,7 @@
    state is set or the slave is reset. */
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -439,6 +440,9 @@ static fmi2Status check_references(const Instance *instance, const char *functio
     return fmi2OK;
 }
 
+/* A forged FMU state may hold any number. */
+static int whole(double value) { return value >= INT_MIN && value <= INT_MAX ? (int)value : 0; }
+
 static fmi2Status get(fmi2Component c, const char *function, Type type, const fmi2ValueReference references[],
                       size_t count, void *values) {
     Instance *instance = c;
@@ -451,7 +455,7 @@ static fmi2Status get(fmi2Component c, const char *function, Type type, const fm
         if (type == REAL) {
             ((fmi2Real *)values)[i] = instance->now.values[references[i]];
         } else {
-            ((fmi2Integer *)values)[i] = (fmi2Integer)instance->now.values[references[i]]; /* or fmi2Boolean, an int too */
+            ((fmi2Integer *)values)[i] = whole(instance->now.values[references[i]]); /* or fmi2Boolean, an int too */
         }
     }
     return fmi2OK;
