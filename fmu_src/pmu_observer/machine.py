@@ -65,7 +65,7 @@ class Constants(NamedTuple):
 
 
 def constants(machine: TwoAxisMachine) -> Constants:
-    """The constants a0 ... c1 below eq. (3) of the paper, with x' := x'd (see `terminal.to_two_reactances`)."""
+    """The constants a0 ... c1 below eq. (3) of the paper, with x' := x'd (for x'q see `observer.predict`)."""
     x = machine.xd1
     b0 = machine.omega_s / (2 * machine.H)
     c1 = 1 / machine.Td10

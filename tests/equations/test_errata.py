@@ -56,7 +56,7 @@ def test_cramers_rule_replaces_a_column():
     Theta = np.array([th1, th2, th1 * th2, th1**2, th2**2])
     Psi = np.random.default_rng(1).normal(size=(5, 5))
     Y_E = Psi @ Theta
-    found = drem.mix([drem.Row(*row, y) for row, y in zip(Psi.tolist(), Y_E.tolist())])
+    found = drem.mix([drem.Row(*row, y_E=y) for row, y in zip(Psi.tolist(), Y_E.tolist())])
     assert (found.calY1 / found.Delta, found.calY2 / found.Delta) == pytest.approx((th1, th2), rel=1e-10)
     by_row = Psi.copy()
     by_row[0] = Y_E

@@ -121,4 +121,4 @@ def test_propagation_with_constant_coefficients():
     a = Matrix(*A.flat)
     step = propagation(floats, a, a, b, b, h)
     np.testing.assert_allclose(array(step.F), extended[:2, :2], atol=1e-15)
-    np.testing.assert_allclose(step.g, extended[:2, 2], atol=h**5 / 2880 * np.linalg.norm(A) ** 4 * b)
+    np.testing.assert_allclose(step.g, extended[:2, 2], atol=float(h**5 / 2880 * np.linalg.norm(A) ** 4 * b))

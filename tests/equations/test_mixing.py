@@ -19,7 +19,7 @@ def test_determinants(rows, scale):
     rows = rows * 10**scale
     found = mix([Row(*row) for row in rows.tolist()])
     # numpy's LU factors a matrix that is off by rounding in the norm of the whole
-    bound = np.linalg.norm(rows) ** 5
+    bound = float(np.linalg.norm(rows)) ** 5
     np.testing.assert_allclose(found, mixed(rows), rtol=0, atol=1e-14 * bound)
 
 

@@ -26,8 +26,9 @@ ACCURACY = 1e-8  # what issue and docstring promise over a communication step of
 
 def advance(p, state, inputs, t, h):
     """One communication step, divided at the plant's MAX_STEP as the runtime does."""
-    outputs, n = None, max(1, ceil(h / smib.MAX_STEP - 1e-9))
-    for k in range(n):
+    n = max(1, ceil(h / smib.MAX_STEP - 1e-9))
+    state, outputs = smib.step(floats, p, state, inputs, t, h / n)
+    for k in range(1, n):
         state, outputs = smib.step(floats, p, state, inputs, t + k * h / n, h / n)
     return state, outputs
 
