@@ -1,0 +1,101 @@
+"""Who runs on which frames. All get the same frames and predict to the next one, as the FMU does."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from fmu_src.pmu_observer import machine, observer
+from fmu_src.pmu_observer.angle import unwrap
+from fmu_src.pmu_observer.carriers import arrays
+
+from ..studies import frames
+from ..studies.frames import PERIOD, Truth
+from . import model, tuning
+
+
+class Frames(NamedTuple):
+    """The noisy frames of a record; shape (frames, TVEs, seeds)."""
+
+    truth: Truth
+    tve: np.ndarray  # (TVEs, 1)
+    V: np.ndarray  # pu, complex
+    I: np.ndarray  # noqa: E741 - pu, complex
+
+
+class Errors(NamedTuple):
+    """Row k: of the prediction for frame k + 1; shape (frames - 1, ..., TVEs, seeds)."""
+
+    delta: np.ndarray  # rad, in (-pi, pi]
+    omega: np.ndarray  # rad/s
+    e1d: np.ndarray  # pu
+    e1q: np.ndarray  # pu
+    tracking: np.ndarray
+    """Whether the estimator says itself that it is right; a peer always does."""
+
+    @property
+    def e1(self):
+        """|error of (E'd, E'q)|, pu."""
+        return np.hypot(self.e1d, self.e1q)
+
+
+def noisy(truth: Truth, tves, seeds: int, seed: int) -> Frames:
+    """The same noise for every TVE, but for its size."""
+    rng = np.random.default_rng(seed)
+    tve = np.asarray(tves, float)[:, None]
+    shape = (len(truth.V), 1, seeds)
+    V, I = (x[:, None, None] * (1 + tve * frames.unit_noise(rng, shape)) for x in (truth.V, truth.I))  # noqa: E741
+    return Frames(truth, tve, V, I)
+
+
+def errors(truth: Truth, k: int, x, tracking=1.0):
+    """Of an estimate of (delta, omega, E'd, E'q) for frame k + 1."""
+    true = (truth.delta, truth.omega, truth.e1d, truth.e1q)
+    delta, *rest = (value - column[k + 1] for value, column in zip(x, true, strict=True))
+    return np.broadcast_arrays(unwrap(np, delta, 0.0), *rest, tracking)
+
+
+def run_observer(name: str, noisy: Frames, progress: Callable, **parameters) -> Errors:
+    """The observer with the estimator `name`; a parameter may be an array that broadcasts with (TVEs, seeds)."""
+    truth = noisy.truth
+    p = observer.Parameters(machine=truth.machine, tve=noisy.tve, **parameters)
+    state, rows = None, []
+    for k in range(len(truth.V) - 1):
+        inputs = observer.Inputs(frames.frame(noisy.V[k], noisy.I[k]), truth.P_m[k], truth.E_f[k])
+        if state is None:
+            state, _ = observer.start(name, arrays, p, inputs, 0.0)
+        state, o = observer.step(name, arrays, p, state, inputs, k * PERIOD, PERIOD)
+        rows.append(errors(truth, k, (o.delta, o.omega, o.e1d, o.e1q), o.status == observer.TRACKING))
+        progress(1)
+    return Errors(*map(np.array, zip(*rows, strict=True)))
+
+
+def run_peer(step: Callable, noisy: Frames, x, P, q, progress: Callable) -> Errors:
+    """An EKF or UKF from x (..., TVEs, seeds, 4) and P, with the process noise q (..., TVEs, 1, 3) relative to the TVE."""
+    truth, h = noisy.truth, PERIOD
+    c = machine.constants(truth.machine)
+    Q = tuning.process_noise(q, noisy.tve)
+    z, size2 = model.measured(c, noisy.V, noisy.I)
+    z = np.stack([z.real, z.imag], axis=-1)
+    R = noisy.tve**2 * size2 / 2
+    u = [model.Inputs(*each) for each in zip(truth.P_m, truth.E_f, np.abs(noisy.V), np.angle(noisy.V), strict=True)]
+    rows = []
+    for k in range(len(truth.V) - 1):
+        rows.append(errors(truth, k, model.f(np, c, np.moveaxis(x, -1, 0), u[k], h)))
+        x, P = step(c, x, P, Q, model.mean(u[k], u[k + 1]), h, z[k + 1], R[k + 1])
+        progress(1)
+    return Errors(*map(np.array, zip(*rows, strict=True)))
+
+
+def good_start(noisy: Frames):
+    """The steady state that the first frame would have: delta = arg(V + j xq I); shape (TVEs, seeds, 4)."""
+    m, V, I = noisy.truth.machine, noisy.V[0], noisy.I[0]  # noqa: E741
+    delta = np.angle(V + 1j * m.xq * I)
+    e1 = 1j * (V + 1j * m.xd1 * I) * np.exp(-1j * delta)
+    return np.stack([delta, np.zeros_like(delta), e1.real, e1.imag], axis=-1)
+
+
+def flat_start(noisy: Frames):
+    """The rotor in the direction of the voltage, E' = 1 pu on the q axis."""
+    delta = np.angle(noisy.V[0])
+    return np.stack([delta, 0 * delta, 0 * delta, 1 + 0 * delta], axis=-1)
