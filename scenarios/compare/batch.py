@@ -8,8 +8,7 @@ import numpy as np
 from fmu_src.pmu_observer.machine import Constants
 
 from . import model
-from .filterpy_filters import ALPHA, BETA, KAPPA
-from .model import Inputs
+from .model import ALPHA, BETA, KAPPA, Inputs
 
 LAMBDA = ALPHA**2 * (4 + KAPPA) - 4
 WEIGHTS_MEAN = np.full(9, 0.5 / (4 + LAMBDA))

@@ -7,10 +7,7 @@ from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.machine import Constants
 
 from . import model
-from .model import Inputs
-
-ALPHA, BETA, KAPPA = 1.0, 2.0, 0.0
-"""Of the UKF's sigma points (Merwe); with alpha = 1 they lie 2 standard deviations out."""
+from .model import ALPHA, BETA, KAPPA, Inputs
 
 
 class Ekf(ExtendedKalmanFilter):

@@ -13,6 +13,9 @@ import numpy as np
 from fmu_src.pmu_observer.interface import Scalar
 from fmu_src.pmu_observer.machine import Constants
 
+ALPHA, BETA, KAPPA = 1.0, 2.0, 0.0
+"""Of the UKF's sigma points (Merwe); with alpha = 1 they lie 2 standard deviations out."""
+
 
 class Inputs(NamedTuple):
     P_m: Scalar  # pu
@@ -24,9 +27,7 @@ class Inputs(NamedTuple):
 def mean(before: Inputs, after: Inputs) -> Inputs:
     """Over an interval: of P_m, E_f and the voltage phasor."""
     phasor = (before.V * np.exp(1j * before.theta) + after.V * np.exp(1j * after.theta)) / 2
-    return Inputs(
-        (before.P_m + after.P_m) / 2, (before.E_f + after.E_f) / 2, np.abs(phasor), np.angle(phasor)
-    )
+    return Inputs((before.P_m + after.P_m) / 2, (before.E_f + after.E_f) / 2, np.abs(phasor), np.angle(phasor))
 
 
 def derivative(xp, c: Constants, x, u: Inputs):

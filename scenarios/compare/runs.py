@@ -11,7 +11,7 @@ from fmu_src.pmu_observer.carriers import arrays
 
 from ..studies import frames
 from ..studies.frames import PERIOD, Truth
-from . import model, tuning
+from . import model
 
 
 class Frames(NamedTuple):
@@ -28,15 +28,8 @@ class Errors(NamedTuple):
 
     delta: np.ndarray  # rad, in (-pi, pi]
     omega: np.ndarray  # rad/s
-    e1d: np.ndarray  # pu
-    e1q: np.ndarray  # pu
-    tracking: np.ndarray
-    """Whether the estimator says itself that it is right; a peer always does."""
-
-    @property
-    def e1(self):
-        """|error of (E'd, E'q)|, pu."""
-        return np.hypot(self.e1d, self.e1q)
+    e1: np.ndarray  # pu, |error of (E'd, E'q)|
+    tracking: np.ndarray  # 1 where the estimator says that it has captured; a peer always does
 
 
 def noisy(truth: Truth, tves, seeds: int, seed: int) -> Frames:
@@ -51,11 +44,11 @@ def noisy(truth: Truth, tves, seeds: int, seed: int) -> Frames:
 def errors(truth: Truth, k: int, x, tracking=1.0):
     """Of an estimate of (delta, omega, E'd, E'q) for frame k + 1."""
     true = (truth.delta, truth.omega, truth.e1d, truth.e1q)
-    delta, *rest = (value - column[k + 1] for value, column in zip(x, true, strict=True))
-    return np.broadcast_arrays(unwrap(np, delta, 0.0), *rest, tracking)
+    delta, omega, e1d, e1q = (value - column[k + 1] for value, column in zip(x, true, strict=True))
+    return np.broadcast_arrays(unwrap(np, delta, 0.0), omega, np.hypot(e1d, e1q), tracking)
 
 
-def run_observer(name: str, noisy: Frames, progress: Callable, **parameters) -> Errors:
+def run_observer(name: str, noisy: Frames, progress: Callable[[], None], **parameters) -> Errors:
     """The observer with the estimator `name`; a parameter may be an array that broadcasts with (TVEs, seeds)."""
     truth = noisy.truth
     p = observer.Parameters(machine=truth.machine, tve=noisy.tve, **parameters)
@@ -66,15 +59,17 @@ def run_observer(name: str, noisy: Frames, progress: Callable, **parameters) -> 
             state, _ = observer.start(name, arrays, p, inputs, 0.0)
         state, o = observer.step(name, arrays, p, state, inputs, k * PERIOD, PERIOD)
         rows.append(errors(truth, k, (o.delta, o.omega, o.e1d, o.e1q), o.status == observer.TRACKING))
-        progress(1)
+        progress()
     return Errors(*map(np.array, zip(*rows, strict=True)))
 
 
-def run_peer(step: Callable, noisy: Frames, x, P, q, progress: Callable) -> Errors:
-    """An EKF or UKF from x (..., TVEs, seeds, 4) and P, with the process noise q (..., TVEs, 1, 3) relative to the TVE."""
+def run_peer(step: Callable, noisy: Frames, x, P, q, progress: Callable[[], None]) -> Errors:
+    """An EKF or UKF from x (..., TVEs, seeds, 4) and P, with the process noise q (..., TVEs, 1, 3)."""
     truth, h = noisy.truth, PERIOD
     c = machine.constants(truth.machine)
-    Q = tuning.process_noise(q, noisy.tve)
+    Q = process_noise(q, noisy.tve)
+    shape = np.broadcast_shapes(x.shape[:-1], P.shape[:-2], Q.shape[:-2])
+    x = np.broadcast_to(x, (*shape, 4))
     z, size2 = model.measured(c, noisy.V, noisy.I)
     z = np.stack([z.real, z.imag], axis=-1)
     R = noisy.tve**2 * size2 / 2
@@ -83,8 +78,16 @@ def run_peer(step: Callable, noisy: Frames, x, P, q, progress: Callable) -> Erro
     for k in range(len(truth.V) - 1):
         rows.append(errors(truth, k, model.f(np, c, np.moveaxis(x, -1, 0), u[k], h)))
         x, P = step(c, x, P, Q, model.mean(u[k], u[k + 1]), h, z[k + 1], R[k + 1])
-        progress(1)
+        progress()
     return Errors(*map(np.array, zip(*rows, strict=True)))
+
+
+def process_noise(q, tve):
+    """Q of one frame, shape (..., 4, 4), from q (..., 3) relative to tve, which broadcasts with (...)."""
+    variances = PERIOD * (q * np.asarray(tve)[..., None]) ** 2
+    Q = np.zeros((*variances.shape[:-1], 4, 4))
+    Q[..., [1, 2, 3], [1, 2, 3]] = variances
+    return Q
 
 
 def good_start(noisy: Frames):
@@ -95,7 +98,7 @@ def good_start(noisy: Frames):
     return np.stack([delta, np.zeros_like(delta), e1.real, e1.imag], axis=-1)
 
 
-def flat_start(noisy: Frames):
-    """The rotor in the direction of the voltage, E' = 1 pu on the q axis."""
-    delta = np.angle(noisy.V[0])
+def flat_start(noisy: Frames, turned: float = 0.0):
+    """E' = 1 pu on the q axis, in the direction of the voltage, or turned away from there, rad."""
+    delta = np.angle(noisy.V[0]) + turned
     return np.stack([delta, 0 * delta, 0 * delta, 1 + 0 * delta], axis=-1)
