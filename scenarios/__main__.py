@@ -27,6 +27,7 @@ examples (from the repository's root):
   python -m scenarios show paper_drem               what is connected to what
   python -m scenarios run paper_drem                one scenario
   python -m scenarios run smib_fault my/other.toml  several, by name or by file
+  python -m scenarios compare                       robust beside an EKF, a UKF and the paper's, on noisy frames
 
 A run builds the FMUs that are missing or stale (dist/), prints the errors and whether the scenario's expectations hold,
 and writes a CSV, the figures and summary.json into results/<name>/.
@@ -48,6 +49,9 @@ def main(arguments: list[str] | None = None) -> int:
     for name, text in (("run", "run scenarios"), ("show", "show what scenarios connect to what, without running them")):
         command = commands.add_parser(name, help=text, description=f"{text.capitalize()}.")
         command.add_argument("names", nargs="+", metavar="NAME", help="a scenario's name (see list), or a .toml file")
+    about = "estimators beside an EKF and a UKF on the same noisy frames: accuracy, capture, cost (extra: bench)"
+    command = commands.add_parser("compare", help=about, description=f"{about.capitalize()}.")
+    command.add_argument("--seeds", type=int, default=100, help="noise seeds (default: %(default)s)")
     chosen = parser.parse_args(arguments)
     console = Console()
     try:
@@ -56,6 +60,9 @@ def main(arguments: list[str] | None = None) -> int:
             return 0
         if chosen.command == "readme":
             readme.update(RESULTS)
+            return 0
+        if chosen.command == "compare":
+            run_comparison(console, chosen.seeds)
             return 0
         scenarios = [loader.load(name) for name in chosen.names]
         if chosen.command == "show":
@@ -81,6 +88,24 @@ def run(console: Console, one: Scenario) -> bool:
         highlight=False,
     )
     return all(verdict.holds for verdict in verdicts)
+
+
+def run_comparison(console: Console, seeds: int) -> None:
+    if seeds < 1:
+        raise ScenarioError(f"--seeds {seeds}: give at least one seed")
+    try:
+        from .compare import comparison, cost
+        from .compare import report as compared
+    except ModuleNotFoundError as missing:
+        raise ScenarioError(f"compare needs {missing.name}: pip install '.[bench]'") from missing
+    start = perf_counter()
+    with progress_bar(console) as progress:
+        found = comparison.compare(seeds, progress)
+        costs = cost.measure()
+    compared.print_table(console, found, costs, seeds)
+    compared.print_verdicts(console, compared.verdicts(found, costs), costs)
+    compared.write(found, costs, seeds, RESULTS / "compare")
+    console.print(f"It took {perf_counter() - start:.0f} s; see {RESULTS / 'compare'}/\n", highlight=False)
 
 
 @contextmanager

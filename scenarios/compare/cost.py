@@ -1,0 +1,97 @@
+"""What a step takes: the observer bare and as an FMU, and the peers on FilterPy, on the same frames in one run."""
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+
+import numpy as np
+
+from fmu_src.pmu_observer import machine, observer
+from fmu_src.pmu_observer.carriers import floats
+from fmu_src.pmu_observer.estimators import ESTIMATORS
+
+from .. import study
+from ..fmu import Fmu
+from ..studies import frames
+from ..studies.frames import PERIOD
+from . import filterpy_filters, model, runs, tuning
+
+FRAMES, REPEATS = 600, 3
+
+NATIVE_FMU = Path("dist/native/PmuObserver.fmu")
+"""Timed where it has been built."""
+
+
+TVE = 0.001
+
+
+def measure() -> dict[str, float]:
+    """Seconds a step, on the first FRAMES frames of record_g6; the fastest of REPEATS runs."""
+    truth = frames.record(frames.RECORD_G6)
+    noisy = runs.noisy(truth, (TVE,), 1, 1)
+    V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
+    inputs = [
+        observer.Inputs(observer.Frame(*map(float, frames.frame(v, i))), float(P_m), float(E_f))
+        for v, i, P_m, E_f in zip(V, I, truth.P_m, truth.E_f, strict=False)
+    ]
+    found = {}
+
+    def fastest(name: str, run: Callable, *arguments) -> None:
+        found[name] = min(run(*arguments) for _ in range(REPEATS))
+
+    for name in ("robust", "gradient", "drem", "open_loop"):
+        fastest(name, bare, name, truth.machine, inputs)
+    fmus = {"Python FMU": study.built("cost", "PmuObserver")}
+    if NATIVE_FMU.is_file():
+        fmus["native FMU"] = NATIVE_FMU
+    for name, path in fmus.items():
+        fastest(f"robust, {name}", through_fmu, path, truth.machine, inputs)
+    for name, peer in (("EKF", filterpy_filters.Ekf), ("UKF", filterpy_filters.Ukf)):
+        fastest(name, on_filterpy, peer, noisy)
+    return found
+
+
+def bare(name: str, m: machine.TwoAxisMachine, inputs: list[observer.Inputs]) -> float:
+    p = observer.Parameters(machine=m, tve=TVE)
+    state, _ = observer.start(name, floats, p, inputs[0], 0.0)
+    begin = perf_counter()
+    for k, frame in enumerate(inputs):
+        state, _ = observer.step(name, floats, p, state, frame, k * PERIOD, PERIOD)
+    return (perf_counter() - begin) / len(inputs)
+
+
+def through_fmu(path: Path, m: machine.TwoAxisMachine, inputs: list[observer.Inputs]) -> float:
+    """With FMPy as the host: set the frame, step, get the estimate."""
+    rows: list[dict[str, float]] = [{**frame.frame._asdict(), "P_m": frame.P_m, "E_f": frame.E_f} for frame in inputs]
+    with TemporaryDirectory() as folder:
+        slave = Fmu(path, Path(folder)).instantiate("observer")
+        slave.set({**m._asdict(), "tve": TVE, "estimator": 1 + list(ESTIMATORS).index("robust")})
+        slave.enter_initialization(FRAMES * PERIOD)
+        slave.set(rows[0])
+        slave.exit_initialization()
+        begin = perf_counter()
+        for k, row in enumerate(rows):
+            slave.set(row)
+            slave.step(k * PERIOD, PERIOD)
+            slave.get(("delta", "omega", "e1d", "e1q"))
+        span = perf_counter() - begin
+        slave.close()
+    return span / len(rows)
+
+
+def on_filterpy(peer, noisy: runs.Frames) -> float:
+    truth, c = noisy.truth, machine.constants(noisy.truth.machine)
+    V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
+    z, size2 = model.measured(c, V, I)
+    Q = runs.process_noise(tuning.GRID[0], TVE)
+    one = peer(c, runs.good_start(noisy)[0, 0], tuning.P_of(tuning.P_GOOD), Q)
+    u = [
+        model.Inputs(*map(float, each))
+        for each in zip(truth.P_m[:FRAMES], truth.E_f, np.abs(V), np.angle(V), strict=False)
+    ]
+    begin = perf_counter()
+    for k in range(len(V) - 1):
+        R = np.eye(2) * TVE**2 * size2[k + 1] / 2
+        one.step(model.mean(u[k], u[k + 1]), PERIOD, np.array([z[k + 1].real, z[k + 1].imag]), R)
+    return (perf_counter() - begin) / (len(V) - 1)

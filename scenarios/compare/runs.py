@@ -1,0 +1,104 @@
+"""Who runs on which frames. All get the same frames and predict to the next one, as the FMU does."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from fmu_src.pmu_observer import machine, observer
+from fmu_src.pmu_observer.angle import unwrap
+from fmu_src.pmu_observer.carriers import arrays
+
+from ..studies import frames
+from ..studies.frames import PERIOD, Truth
+from . import model
+
+
+class Frames(NamedTuple):
+    """The noisy frames of a record; shape (frames, TVEs, seeds)."""
+
+    truth: Truth
+    tve: np.ndarray  # (TVEs, 1)
+    V: np.ndarray  # pu, complex
+    I: np.ndarray  # noqa: E741 - pu, complex
+
+
+class Errors(NamedTuple):
+    """Row k: of the prediction for frame k + 1; shape (frames - 1, ..., TVEs, seeds)."""
+
+    delta: np.ndarray  # rad, in (-pi, pi]
+    omega: np.ndarray  # rad/s
+    e1: np.ndarray  # pu, |error of (E'd, E'q)|
+    tracking: np.ndarray  # 1 where the estimator says that it has captured; a peer always does
+
+
+def noisy(truth: Truth, tves, seeds: int, seed: int) -> Frames:
+    """The same noise for every TVE, but for its size."""
+    rng = np.random.default_rng(seed)
+    tve = np.asarray(tves, float)[:, None]
+    shape = (len(truth.V), 1, seeds)
+    V, I = (x[:, None, None] * (1 + tve * frames.unit_noise(rng, shape)) for x in (truth.V, truth.I))  # noqa: E741
+    return Frames(truth, tve, V, I)
+
+
+def errors(truth: Truth, k: int, x, tracking=1.0):
+    """Of an estimate of (delta, omega, E'd, E'q) for frame k + 1."""
+    true = (truth.delta, truth.omega, truth.e1d, truth.e1q)
+    delta, omega, e1d, e1q = (value - column[k + 1] for value, column in zip(x, true, strict=True))
+    return np.broadcast_arrays(unwrap(np, delta, 0.0), omega, np.hypot(e1d, e1q), tracking)
+
+
+def run_observer(name: str, noisy: Frames, progress: Callable[[], None], **parameters) -> Errors:
+    """The observer with the estimator `name`; a parameter may be an array that broadcasts with (TVEs, seeds)."""
+    truth = noisy.truth
+    p = observer.Parameters(machine=truth.machine, tve=noisy.tve, **parameters)
+    state, rows = None, []
+    for k in range(len(truth.V) - 1):
+        inputs = observer.Inputs(frames.frame(noisy.V[k], noisy.I[k]), truth.P_m[k], truth.E_f[k])
+        if state is None:
+            state, _ = observer.start(name, arrays, p, inputs, 0.0)
+        state, o = observer.step(name, arrays, p, state, inputs, k * PERIOD, PERIOD)
+        rows.append(errors(truth, k, (o.delta, o.omega, o.e1d, o.e1q), o.status == observer.TRACKING))
+        progress()
+    return Errors(*map(np.array, zip(*rows, strict=True)))
+
+
+def run_peer(step: Callable, noisy: Frames, x, P, q, progress: Callable[[], None]) -> Errors:
+    """An EKF or UKF from x (..., TVEs, seeds, 4) and P, with the process noise q (..., TVEs, 1, 3)."""
+    truth, h = noisy.truth, PERIOD
+    c = machine.constants(truth.machine)
+    Q = process_noise(q, noisy.tve)
+    shape = np.broadcast_shapes(x.shape[:-1], P.shape[:-2], Q.shape[:-2])
+    x = np.broadcast_to(x, (*shape, 4))
+    z, size2 = model.measured(c, noisy.V, noisy.I)
+    z = np.stack([z.real, z.imag], axis=-1)
+    R = noisy.tve**2 * size2 / 2
+    u = [model.Inputs(*each) for each in zip(truth.P_m, truth.E_f, np.abs(noisy.V), np.angle(noisy.V), strict=True)]
+    rows = []
+    for k in range(len(truth.V) - 1):
+        rows.append(errors(truth, k, model.f(np, c, np.moveaxis(x, -1, 0), u[k], h)))
+        x, P = step(c, x, P, Q, model.mean(u[k], u[k + 1]), h, z[k + 1], R[k + 1])
+        progress()
+    return Errors(*map(np.array, zip(*rows, strict=True)))
+
+
+def process_noise(q, tve):
+    """Q of one frame, shape (..., 4, 4), from q (..., 3) relative to tve, which broadcasts with (...)."""
+    variances = PERIOD * (q * np.asarray(tve)[..., None]) ** 2
+    Q = np.zeros((*variances.shape[:-1], 4, 4))
+    Q[..., [1, 2, 3], [1, 2, 3]] = variances
+    return Q
+
+
+def good_start(noisy: Frames):
+    """The steady state that the first frame would have: delta = arg(V + j xq I); shape (TVEs, seeds, 4)."""
+    m, V, I = noisy.truth.machine, noisy.V[0], noisy.I[0]  # noqa: E741
+    delta = np.angle(V + 1j * m.xq * I)
+    e1 = 1j * (V + 1j * m.xd1 * I) * np.exp(-1j * delta)
+    return np.stack([delta, np.zeros_like(delta), e1.real, e1.imag], axis=-1)
+
+
+def flat_start(noisy: Frames, turned: float = 0.0):
+    """E' = 1 pu on the q axis, in the direction of the voltage, or turned away from there, rad."""
+    delta = np.angle(noisy.V[0]) + turned
+    return np.stack([delta, 0 * delta, 0 * delta, 1 + 0 * delta], axis=-1)
