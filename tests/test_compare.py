@@ -37,7 +37,7 @@ def test_model_is_the_paper_s():
 
 
 def test_jacobians_are_derivatives():
-    """Central differences; F has A at the start of the step, which is good to h^2/2 dA/dt, 4e-7 of the largest entry."""
+    """Central differences; F has A at the start of the step: good to h^2/2 dA/dt = 4e-7."""
     steps, h = 1e-6 * np.eye(4), 1e-4
     F = [(np.array(model.f(np, C, X + e, U, h)) - model.f(np, C, X - e, U, h)) / 2e-6 for e in steps]
     np.testing.assert_allclose(model.f_jacobian(C, X, U, h), np.transpose(F), atol=1e-6)
