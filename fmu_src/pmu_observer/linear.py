@@ -79,8 +79,8 @@ def exponential(xp, a: Matrix, h) -> Matrix:
 
 
 def _exp(xp, exponent):
-    # math.exp raises above 709; a mode that grows by e^300 in an interval is lost anyway
-    return xp.exp(xp.minimum(exponent, 300.0))
+    # a mode that grows by e^50 is lost anyway, and its covariance, in the fourth power of this, stays finite
+    return xp.exp(xp.minimum(exponent, 50.0))
 
 
 def decay_mean(xp, rate_h):

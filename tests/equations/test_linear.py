@@ -14,9 +14,9 @@ from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.linear import Matrix, Vector, decay_mean, exponential, propagate, propagation, relax
 
 entries = st.floats(-1.0, 1.0).map(lambda x: x if abs(x) > 1e-12 else 0.0)
-# eigenvalues below 300, where the package caps the growth
+# eigenvalues below 50, where the package caps the growth
 matrices = st.builds(
-    lambda scale, *a: Matrix(*(10**scale * x for x in a)), st.floats(-6, 2.17), entries, entries, entries, entries
+    lambda scale, *a: Matrix(*(10**scale * x for x in a)), st.floats(-6, 1.39), entries, entries, entries, entries
 )
 
 
@@ -43,7 +43,7 @@ def expm_60_digits(a: Matrix) -> np.ndarray:
 @example(Matrix(-3.0, 1e-2, -1e-2, -3.0))  # complex, at the series' border
 @example(Matrix(-3.0, 1e-2, 1e-2, -3.0))  # real, at the series' border
 @example(Matrix(-1.0, 20.0, -20.0, -1.0))  # complex
-@example(Matrix(-200.0, 0.0, 0.0, 200.0))  # far apart
+@example(Matrix(-200.0, 0.0, 0.0, 40.0))  # far apart
 @example(Matrix(-700.0, 1.0, 1.0, -0.1))  # a fast mode and a slow one
 def test_exponential(a):
     # the rounding of A h, amplified by its exponent and by its eigenvectors
