@@ -48,7 +48,7 @@ TRUTHS = {casadi.OP_LT, casadi.OP_LE, casadi.OP_EQ, casadi.OP_NE, casadi.OP_AND,
 SELECT = casadi.OP_IF_ELSE_ZERO
 """condition ? then : otherwise. CasADi has (c ? x : 0) + (!c ? y : 0) for it."""
 
-FUNCTION_WEIGHT, WORTH_A_BRANCH = 20, 40
+FUNCTION_WEIGHT, WORTH_A_BRANCH = 20, 20
 """Operations that a function of math.h counts for, and operations that an `if` has to save."""
 
 Context = Tuple[Tuple[int, bool], ...]
