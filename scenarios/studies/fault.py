@@ -1,4 +1,4 @@
-"""A three-phase fault of 100 ms at generator 6: constant E_f, an exciter that forces E_f, subtransient windings."""
+"""A three-phase fault of 100 ms at generator 6: E_f constant, an exciter that forces it, or subtransient circuits."""
 
 import argparse
 
