@@ -95,7 +95,7 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
     S = after.tve * after.V * after.I
     jump = interval.jump.P
     # of an acceleration that is wrong for the whole interval; while frames are held it is left out
-    wrong = xp.where(held, acceleration * acceleration, b0 * b0 * (S * S + jump * jump / 12))
+    wrong = xp.where(held, acceleration * acceleration, b0 * b0 * (S * S + jump * jump / 4))
     drift = xp.where(held, ACCELERATION_WALK * ACCELERATION_WALK, 0.0) * h
     walk = xp.where(P_m_known, 0.0, ACCELERATION_WALK * ACCELERATION_WALK * h / (c.b0 * c.b0))
     covariance = RotorCovariance(
