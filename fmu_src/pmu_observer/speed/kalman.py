@@ -97,7 +97,7 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
     # of an acceleration that is wrong for the whole interval; while frames are held it is left out
     wrong = xp.where(held, acceleration * acceleration, b0 * b0 * (S * S + jump * jump / 4))
     drift = xp.where(held, ACCELERATION_WALK * ACCELERATION_WALK, 0.0) * h
-    walk = xp.where(P_m_known, 0.0, ACCELERATION_WALK * ACCELERATION_WALK * h / (c.b0 * c.b0))
+    walk = xp.where(P_m_known, 0.0, ACCELERATION_WALK * ACCELERATION_WALK * h / xp.maximum(c.b0 * c.b0, 1e-12))
     covariance = RotorCovariance(
         dd=dd + m.t * do + w * dp + m.w * m.w * wrong,
         do=m.E * do + v * dp + m.v * m.w * wrong,
