@@ -152,7 +152,7 @@ def test_speed_filter_is_a_dense_kalman_filter():
     P_mean = (t.before.measured.P + t.after.measured.P) / 2
     x = F @ [0.9, 0.05, 6.4] - F[:, 2] * P_mean + [0, 0, P_mean]
     after = t.after.measured
-    variance = (after.tve * after.V * after.I) ** 2 + t.jump.P**2 / 12
+    variance = (after.tve * after.V * after.I) ** 2 + t.jump.P**2 / 4
     Q = np.outer(F[:, 2], F[:, 2]) * variance
     Q[2, :] = Q[:, 2] = 0
     Q[2, 2] = speed.ACCELERATION_WALK**2 * H / c.b0**2

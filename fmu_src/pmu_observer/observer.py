@@ -12,7 +12,7 @@ from . import frames, noise, tree
 from .angle import Estimate, direction_variance, unwrap
 from .estimators import ESTIMATORS, kalman
 from .interface import INLINE, Boolean, Enumeration, Integer, Real, Rule, Scalar
-from .linear import Vector, decay_mean, propagation
+from .linear import Vector, propagation
 from .machine import Constants, TwoAxisMachine, constants, on_system_base, reactance_rules
 from .phasors import Frame, Measurement, Signals, behind_resistance, is_consistent, is_finite, measurement, signals
 from .sampling import Change, Interval, change, interval
@@ -340,48 +340,48 @@ def rotor_at_start(xp, p, c, s: Signals, estimate: Estimate) -> Rotor:
 def predict(name, xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State) -> Outputs:
     """The outputs `elapsed` after the last frame, with its measurement and its load angle held.
 
-    omega' = -a0 omega + b0 (Pm - P) and delta' = omega go on; while frames are held over, omega is constant.
+    omega' = -a0 omega + b0 (Pm - P) and delta' = omega go on; while frames are held over, omega is constant. What
+    changed between the last two frames may do so again unseen: that goes into the standard deviations.
     """
     s, h, estimate, rotor = state.signals, state.elapsed, state.estimate, state.rotor
     frame = s.measured
     flow = propagation(xp, s.A, s.A, c.c1 * frame.E_f, c.c1 * frame.E_f, h)
+    coming = Interval(s, s, h, flow, state.change)
     ahead = kalman.predict(
         xp,
-        kalman.transition(xp, c, Interval(s, s, h, flow, Change()), frame.E_f_known, 0.0),
+        kalman.transition(xp, c, coming, frame.E_f_known, 0.0),
         kalman.Gaussian(estimate.x, estimate.E_f, estimate.covariance),
         0.0,
     )
-    a0, b0 = state.adaptive.a0, state.adaptive.b0
-    held = frame.held > 0
-    acceleration = xp.where(held, 0.0, b0 * (rotor.P_m - frame.P) - a0 * rotor.omega)
-    change = h * decay_mean(xp, a0 * h) * acceleration
+    calibrated = c._replace(a0=state.adaptive.a0, b0=state.adaptive.b0)
+    rotor_ahead = kalman_speed.predict(xp, calibrated, rotor, coming, rotor.P_m, p.mechanical_power == MEASURED)
     terminal = behind_resistance(xp, frame, -m.Ra)
 
     # behind x'd the estimator sees E'd + (x'q - x'd) Iq: exact in steady state
     angle = rotor.delta - frame.theta
     Iq = (frame.P * xp.cos(angle) - frame.Q * xp.sin(angle)) / frame.V
-    P, R = ahead.P, rotor.covariance
-    sure = estimate.covariance.dd > 0
+    P, R = ahead.P, rotor_ahead.covariance
 
-    def deviation(variance):
-        return xp.sqrt(xp.maximum(variance, 0.0))
+    def deviation(known, variance):
+        return xp.where(known > 0, xp.sqrt(xp.maximum(variance, 0.0)), 0.0)
 
+    sure, rotor_sure = estimate.covariance.dd, rotor.covariance.dd
     outputs = Outputs(
-        delta=rotor.delta + h * (rotor.omega + change / 2),
+        delta=rotor_ahead.delta,
         load_angle=unwrap(xp, rotor.delta - terminal.theta, 0.0),
-        omega=rotor.omega + change,
+        omega=rotor_ahead.omega,
         e1d=ahead.x.d - (m.xq1 - m.xd1) * Iq,
         e1q=ahead.x.q,
         E_f_hat=ahead.E_f,
         P_m_hat=rotor.P_m,
-        delta_std=deviation(R.dd + 2 * h * R.do + h * h * R.oo + direction_variance(ahead.x, P)),
-        omega_std=deviation(R.oo),
-        e1d_std=xp.where(sure, deviation(P.dd), 0.0),
-        e1q_std=xp.where(sure, deviation(P.qq), 0.0),
-        E_f_std=deviation(P.ff),
-        P_m_std=deviation(R.pp),
+        delta_std=deviation(rotor_sure, R.dd + direction_variance(ahead.x, P)),
+        omega_std=deviation(rotor_sure, R.oo),
+        e1d_std=deviation(sure, P.dd),
+        e1q_std=deviation(sure, P.qq),
+        E_f_std=deviation(sure, P.ff),
+        P_m_std=deviation(rotor_sure, rotor.covariance.pp),
         innovation=estimate.innovation,
-        status=xp.where(held, HOLDING, xp.where(estimate.capturing > 0.5, CAPTURING, TRACKING)),
+        status=xp.where(frame.held > 0, HOLDING, xp.where(estimate.capturing > 0.5, CAPTURING, TRACKING)),
         adaptive=adaptive_ii.outputs(state.adaptive),
         estimators=Outputs().estimators._replace(**{name: ESTIMATORS[name].outputs(xp, state.estimator)}),
     )

@@ -1,4 +1,4 @@
-"""A three-phase fault of 100 ms at generator 6: constant E_f, an exciter that forces E_f, subtransient windings."""
+"""A three-phase fault of 100 ms at generator 6: E_f constant, an exciter that forces it, or subtransient circuits."""
 
 import argparse
 
@@ -14,7 +14,7 @@ T_FAULT, T_CLEAR = 5.007, 5.107
 """s; between two frames."""
 
 AFTER = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0)
-"""s after the first frame behind the clearing."""
+"""s after what the first frame behind the clearing makes of it."""
 
 
 def main() -> None:
@@ -46,7 +46,7 @@ def main() -> None:
                 field_voltage=field_voltage,
                 mechanical_power=2,
             )
-            first = np.argmax(s.t >= T_CLEAR)
+            first = np.argmax(s.t >= T_CLEAR) + 1  # what is shown at the first frame behind it knows nothing of it
             rows = [np.argmax(s.t >= T_FAULT) - 1, *[first + round(t / frames.PERIOD) for t in AFTER]]
             table.add_row(
                 plant,

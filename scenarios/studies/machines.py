@@ -114,17 +114,17 @@ def rotor_angle_from_bus(draw):
     return np.angle((V + 1j * xq * I) / (V - 1j * draw["x_line [pu]"] * I))
 
 
-def simulate(machines: Machines, seconds: float, *, inputs=None, state=None) -> Truth:
-    """Frames of a plant. `inputs(t, outputs)` gives the plant's inputs at t, if they are not constant."""
+def simulate(machines: Machines, seconds: float, *, inputs=None, substeps: int = SUBSTEPS) -> Truth:
+    """Frames of a plant. `inputs(t, outputs)` gives its inputs for the substep about t, if they are not constant."""
     p, u = machines
     state, outputs = smib.start(arrays, p, u, 0.0)
-    h = PERIOD / SUBSTEPS
+    h = PERIOD / substeps
     rows = [row(outputs, u)]
     for k in range(round(seconds / PERIOD)):
-        for i in range(SUBSTEPS):
+        for i in range(substeps):
             t = k * PERIOD + i * h
             if inputs:
-                u = inputs(t, outputs)
+                u = inputs(t + h / 2, outputs)
             state, outputs = smib.step(arrays, p, state, u, t, h)
         rows.append(row(outputs, u))
     V, I, *rest = [np.array(column) for column in zip(*rows, strict=True)]  # noqa: E741

@@ -18,8 +18,8 @@ from ..phasors import Signals
 from ..sampling import Interval
 from . import Rotor, RotorCovariance
 
-ACCELERATION_WALK = 0.12
-"""rad/s^2/sqrt(s) of b0 P_m: 0.0025 pu/sqrt(s) for a machine of H = 4 s on its own base, at 60 Hz."""
+ACCELERATION_WALK = 0.24
+"""rad/s^2/sqrt(s) of b0 P_m: 0.005 pu/sqrt(s) for a machine of H = 4 s on its own base, at 60 Hz."""
 
 ACCELERATION_START = 14.0
 """rad/s^2, standard deviation of b0 (P_m - P) at the first frame: 0.3 pu for the same machine."""
@@ -81,7 +81,8 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
     held = after.held > 0
     a0, b0 = xp.where(held, 0.0, c.a0), xp.where(held, 0.0, c.b0)
     m, P = motion(xp, a0, h), rotor.covariance
-    f = b0 * (P_m - (before.P + after.P) / 2)
+    acceleration = c.b0 * (P_m - (before.P + after.P) / 2)
+    f = xp.where(held, 0.0, acceleration)
 
     # P P^T times the transition's rows
     v, w = m.v * b0, m.w * b0
@@ -93,13 +94,14 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
 
     S = after.tve * after.V * after.I
     jump = interval.jump.P
-    power = b0 * b0 * (S * S + jump * jump / 12)  # of an acceleration that is wrong by as much for the whole interval
+    # of an acceleration that is wrong for the whole interval; while frames are held it is left out
+    wrong = xp.where(held, acceleration * acceleration, b0 * b0 * (S * S + jump * jump / 4))
     drift = xp.where(held, ACCELERATION_WALK * ACCELERATION_WALK, 0.0) * h
-    walk = xp.where(P_m_known, 0.0, ACCELERATION_WALK * ACCELERATION_WALK * h / (c.b0 * c.b0))
+    walk = xp.where(P_m_known, 0.0, ACCELERATION_WALK * ACCELERATION_WALK * h / xp.maximum(c.b0 * c.b0, 1e-12))
     covariance = RotorCovariance(
-        dd=dd + m.t * do + w * dp + m.w * m.w * power,
-        do=m.E * do + v * dp + m.v * m.w * power,
-        oo=m.E * oo + v * op + m.v * m.v * power + drift,
+        dd=dd + m.t * do + w * dp + m.w * m.w * wrong,
+        do=m.E * do + v * dp + m.v * m.w * wrong,
+        oo=m.E * oo + v * op + m.v * m.v * wrong + drift,
         dp=dp,
         op=op,
         pp=P.pp + walk,

@@ -1,0 +1,122 @@
+"""Random machines in ambient operation, for as long as you like: drift, false takeovers, honest standard deviations."""
+
+import argparse
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from fmu_src.pmu_observer.plants import smib
+
+from . import frames, machines
+
+STATES = ("delta", "omega", "e1d", "e1q")
+
+WARM_UP = 10.0
+"""s, from the start on, that do not count."""
+
+PARTS = 4
+
+VOLTAGE, ANGLE, POWER, TIME = 0.005, 0.02, 0.005, 2.0
+"""The infinite bus wanders by 0.5 % and 0.02 rad, P_m by 0.005 pu (standard deviations), each with a memory of 2 s."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        prog="python -m scenarios.studies.ambient",
+        description=__doc__,
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    parser.add_argument("--seconds", type=float, default=60.0, help="3600 is the full study")
+    parser.add_argument("--machines", type=int, default=12)
+    parser.add_argument("--tve", type=float, default=0.01, help="noise of the phasors, and what is assumed")
+    parser.add_argument("--dropouts", type=float, default=0.0, help="share of frames that do not arrive")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--estimated", action="store_true", help="E_f and P_m are estimated, not measured")
+    arguments = parser.parse_args()
+    source = 2 if arguments.estimated else 1
+    rng = np.random.default_rng(arguments.seed)
+    plants = machines.random_machines(arguments.machines, rng)
+    truth = machines.simulate(plants, arguments.seconds, inputs=wandering(plants.inputs, arguments, rng), substeps=4)
+    true = np.array([truth.delta, truth.omega, truth.e1d, truth.e1q])
+
+    sums, squares = np.zeros((PARTS, len(STATES), arguments.machines)), np.zeros((PARTS, arguments.machines))
+    worst, counts = np.zeros((PARTS, arguments.machines)), np.zeros(PARTS)
+    takeovers = 0
+
+    def count_takeovers(k, state):
+        nonlocal takeovers
+        if k * frames.PERIOD > WARM_UP:
+            takeovers += int(np.sum(abs(state.estimator.turn) > 0.05))
+        return state
+
+    observed = frames.observe(
+        truth,
+        with_dropouts(arguments.tve, arguments.dropouts),
+        1,
+        seed=arguments.seed,
+        alter=count_takeovers,
+        tve=arguments.tve,
+        field_voltage=source,
+        mechanical_power=source,
+    )
+    for k, o in observed:
+        if k * frames.PERIOD < WARM_UP:
+            continue
+        i = int(PARTS * (k - WARM_UP / frames.PERIOD) / (len(truth.V) - WARM_UP / frames.PERIOD))
+        errors = np.array([getattr(o, name)[:, 0] for name in STATES]) - true[:, k + 1]
+        deviations = np.array([getattr(o, f"{name}_std")[:, 0] for name in STATES])
+        sums[i] += (errors / deviations) ** 2
+        e1 = np.hypot(errors[2], errors[3])
+        squares[i] += e1**2
+        worst[i] = np.maximum(worst[i], e1)
+        counts[i] += 1
+
+    title = f"{arguments.machines} machines, {arguments.seconds:g} s, TVE {arguments.tve:.1%}"
+    table = Table(title=f"{title}, {arguments.dropouts:.0%} dropouts: normalised error squared, mean over machines")
+    for column in ("quarter", *STATES, "|error of (E'd, E'q)| RMS", "worst"):
+        table.add_column(column)
+    for i in range(PARTS):
+        nees = np.mean(sums[i] / counts[i], axis=1)
+        rms = np.sqrt(np.mean(squares[i] / counts[i]))
+        table.add_row(str(i + 1), *[f"{v:.2f}" for v in nees], f"{rms:.5f}", f"{worst[i].max():.4f}")
+    nees = np.mean(np.sum(sums, axis=0) / np.sum(counts), axis=1)
+    table.add_row("all", *[f"{v:.2f}" for v in nees], "", "")
+    per_machine = np.sum(sums, axis=0) / np.sum(counts)
+    table.add_row("least", *[f"{v:.2f}" for v in per_machine.min(1)], "", "")
+    table.add_row("most", *[f"{v:.2f}" for v in per_machine.max(1)], "", "")
+    console = Console(width=120)
+    console.print(table)
+    console.print(f"takeovers (a frame turns the estimate by more than 0.05 rad) after {WARM_UP:g} s: {takeovers}")
+
+
+def wandering(u: smib.Inputs, arguments, rng):
+    """The plant's inputs at t: Ornstein-Uhlenbeck at the frames, linear in between."""
+    steps = round(arguments.seconds / frames.PERIOD) + 2
+    decay = np.exp(-frames.PERIOD / TIME)
+    noise = np.sqrt(1 - decay**2) * rng.standard_normal((steps, 3, arguments.machines))
+    paths = np.zeros_like(noise)
+    for k in range(1, steps):
+        paths[k] = decay * paths[k - 1] + noise[k]
+
+    def inputs(t, outputs) -> smib.Inputs:
+        k, part = divmod(t / frames.PERIOD, 1)
+        V, angle, P = paths[int(k)] + part * (paths[int(k) + 1] - paths[int(k)])
+        return u._replace(
+            V_inf=u.V_inf * (1 + VOLTAGE * V), theta_inf=u.theta_inf + ANGLE * angle, P_m=u.P_m + POWER * P
+        )
+
+    return inputs
+
+
+def with_dropouts(tve: float, share: float) -> frames.Channel:
+    noisy = frames.noise(tve)
+
+    def channel(k, rng, V, I):  # noqa: E741
+        return noisy(k, rng, V, I)._replace(valid=(rng.random(V.shape) >= share) * 1.0)
+
+    return channel
+
+
+if __name__ == "__main__":
+    main()
