@@ -35,7 +35,17 @@ TARGETS = {
 """FMI platform: suffix of its binaries, and what they are compiled for."""
 
 # no contraction of a*b + c into one rounding, so that C and Python agree to the last bit
-FLAGS = ["-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-g0", "-s", "-shared"]
+FLAGS = [
+    "-std=c99",
+    "-O2",
+    "-fno-math-errno",
+    "-ffp-contract=off",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-g0",
+    "-s",
+    "-shared",
+]
 
 
 def build(model: Model, path: Path, say: Callable[[str], None]) -> bool:
