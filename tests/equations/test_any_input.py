@@ -21,6 +21,7 @@ def parameters(random) -> observer.Parameters:
     leaves = []
     for _, specification, start in variables(defaults):
         low, high = specification.min, specification.max
+        assert low is not None and high is not None  # every parameter has a range
         if not isinstance(specification, Real):
             leaves.append(int(random.integers(low, high, endpoint=True)))
         elif random.random() < 1 / 8:
