@@ -162,6 +162,17 @@ MISTAKES = {
     "empty sweep": ("[1e15, 1e16]", "[]", "fmu.observer.each.gamma = []"),
     "name with a blank": ("[fmu.plant]", '[fmu."the plant"]', '"the plant" cannot be a name in an expression'),
     "unknown error": ('error = "e1d"', 'error = "e1q"', 'expect: there is no error "e1q"; did you mean "e1d"?'),
+    "value in an expression": (
+        '"observer.e1d - plant.e1d"',
+        '"observer.e1d - plant.{which} [pu]"',
+        'error.e1d: "observer.e1d - plant.{which} [pu]" asks for what is not in each',
+    ),
+    "facet": (
+        'title = "All"',
+        'title = "All"\nfacet = "unit"',
+        'figure all: facet = "unit" is in no each; sweep it, or',
+    ),
+    "no table of rows": ("each.gamma = [1e15, 1e16]", 'rows = "rows.csv"', "fmu.observer.rows: there is no file"),
     "unknown instance": (
         "each.gamma = 1e15",
         "each.gamma = 1e17",

@@ -10,7 +10,7 @@ from fmpy import simulate_fmu
 from fmpy.util import read_csv
 from rich.console import Console
 
-from scenarios import loader, master, report, study
+from scenarios import figures, loader, master, report, study
 from scenarios.__main__ import main
 
 PAPER = """
@@ -145,6 +145,35 @@ def test_prefixed_outputs(tmp_path):
     with study.prepared(loader.load(str(tmp_path / "test.toml"))) as plan:
         linked = [i.links["V_t"].variable for i in plan.instances if i.component == "observer"]
     assert linked == ["G1.V_t", "G2.V_t"]
+
+
+MACHINES = """
+title = "Two machines, of a table"
+step = 0.5
+stop = 1.0
+csv.grid = { file = "grid.csv", time = "t [s]", columns = { G1.V_t = "G1 [pu]", G2.V_t = "G2 [pu]" } }
+fmu.observer = { model = "PmuObserver", rows = "machines.csv", parameters = { H = "{inertia}" } }
+connect.observer = "grid.G{unit}.*"
+error.twice = "2*grid.G{unit}.V_t [pu]"
+figure = [{ name = "all", title = "", facet = "unit", panel = [{ curves = ["grid.G{unit}.V_t", "observer.delta"] }] }]
+"""
+
+
+def test_rows_of_a_table_as_instances_and_values_filled_in(tmp_path):
+    (tmp_path / "grid.csv").write_text("t,G1,G2\n0,1.0,1.1\n1,1.0,1.1\n")
+    (tmp_path / "machines.csv").write_text("# a comment\nunit,inertia\n2,3.5\n1,4\n")
+    (tmp_path / "test.toml").write_text(MACHINES)
+    scenario = loader.load(str(tmp_path / "test.toml"))
+    with study.prepared(scenario) as plan:
+        results = master.run(plan)
+    observers = [i for i in plan.instances if i.component == "observer"]
+    assert [i.label for i in observers] == ["observer[unit = 2]", "observer[unit = 1]"]
+    assert [i.parameters["H"] for i in observers] == [3.5, 4]
+    assert [i.links["V_t"].variable for i in observers] == ["G2.V_t", "G1.V_t"]
+    voltages, twice = plan.signals["grid.G{unit}.V_t"], plan.signals["twice"]
+    assert [signal.name for signal in voltages] == ["grid.G2.V_t", "grid.G1.V_t"]
+    assert [results.of(signal)[-1] for signal in voltages + twice] == [1.1, 1.0, 2.2, 2.0]
+    assert figures.facets(results, scenario.figure[0]) == [{"unit": 2}, {"unit": 1}]
 
 
 CHANNEL = (

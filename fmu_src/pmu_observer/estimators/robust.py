@@ -190,7 +190,7 @@ def supervise(xp, c, before: Supervision, tracker: Gaussian, tracking, s, t, wal
     again = xp.logical_or(takeover, xp.logical_and(tracking, before.age >= GREATEST_AGE))
     return Verdict(
         Supervision(
-            Bank(*[v._replace(score=v.score - best) for v in bank]),
+            Bank(*[Hypothesis(gaussian, score - best) for gaussian, score in bank]),
             tracker_score=xp.where(takeover, 0.0, tracker_score),
             age=xp.where(again, 0.0, xp.where(done, -REST, before.age)),
         ),

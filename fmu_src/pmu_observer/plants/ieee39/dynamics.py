@@ -47,6 +47,9 @@ class States(NamedTuple):
     turbine: Scalar  # pu
 
 
+E_F = States._fields.index("E_f")
+
+
 class Setpoints(NamedTuple):
     P_m: np.ndarray  # pu
     V_ref: np.ndarray  # pu
@@ -57,16 +60,18 @@ class System(NamedTuple):
 
     machines: Machines
     setpoints: Setpoints
+    lags: np.ndarray  # (10, 10) s, the time constants of the states from e1d on
     governors: bool
     pss: bool
     salient: bool
 
 
 class Terminals(NamedTuple):
-    """Complex, in the synchronous frame, one element a generator."""
+    """Complex, one element a generator."""
 
-    V: Scalar
+    V: Scalar  # in the synchronous frame, like I and E
     I: Scalar  # noqa: E741 - the paper's name
+    I_dq: Scalar  # in rotor axes, d + jq
     S: Scalar  # P + jQ, generated
     E: Scalar  # behind x'd: what drives the network
 
@@ -84,19 +89,13 @@ def terminals(m: Machines, salient, grid: Reduction, delta, e1d, e1q) -> Termina
     E = axes * E_dq
     current = grid.I_per_E @ E
     V = E - 1j * m.xd1 * current
-    return Terminals(V, current, V * current.conj(), E)
-
-
-def rotor_axes(phasor, delta):
-    """d + jq of a phasor in the synchronous frame."""
-    return phasor * (1j * np.exp(-1j * delta))
+    return Terminals(V, current, current * axes.conj(), V * current.conj(), E)
 
 
 def derivative(system: System, grid: Reduction, x: np.ndarray) -> np.ndarray:
-    """dx/dt of the states x, (12, 10)."""
+    """dx/dt of the states x, (12, 10): all but delta and omega are lags, (target - x)/T."""
     m, s = system.machines, States(*x)
     at = terminals(m, system.salient, grid, s.delta, s.e1d, s.e1q)
-    I_dq = rotor_axes(at.I, s.delta)
     slip = s.omega / OMEGA_S
 
     washed = m.K * (slip - s.washout)
@@ -104,28 +103,31 @@ def derivative(system: System, grid: Reduction, x: np.ndarray) -> np.ndarray:
     lead2 = s.lag2 + m.T3 / m.T4 * (lead1 - s.lag2)
     V_s = np.minimum(np.maximum(lead2, m.V_s_min), m.V_s_max) if system.pss else 0.0
     error = system.setpoints.V_ref + V_s - s.V_measured
-    regulated = s.lag + m.TC / m.TB * (error - s.lag)
+    regulated = m.KA * (s.lag + m.TC / m.TB * (error - s.lag))
     E_f = limited(s.E_f, m)  # a stage of the integration may lie beyond
-    dE_f = (m.KA * regulated - E_f) / m.TA
-    dE_f = np.where(E_f == m.E_f_max, np.minimum(dE_f, 0), np.where(E_f == m.E_f_min, np.maximum(dE_f, 0), dE_f))
-    ordered = -system.setpoints.P_m / DROOP * slip if system.governors else 0.0
+    P_m = system.setpoints.P_m
 
-    return np.array(
-        States(
-            delta=s.omega,
-            omega=OMEGA_S / (2 * m.H) * (system.setpoints.P_m + s.turbine - at.S.real),
-            e1d=((m.xq - m.xq1) * I_dq.imag - s.e1d) / m.Tq10,
-            e1q=(E_f - s.e1q - (m.xd - m.xd1) * I_dq.real) / m.Td10,
-            V_measured=(np.abs(at.V) - s.V_measured) / m.TR,
-            lag=(error - s.lag) / m.TB,
-            E_f=dE_f,
-            washout=(slip - s.washout) / m.Tw,
-            lag1=(washed - s.lag1) / m.T2,
-            lag2=(lead1 - s.lag2) / m.T4,
-            valve=(ordered - s.valve) / T_VALVE,
-            turbine=(s.valve - s.turbine) / T_TURBINE,
-        )
-    )
+    dx = np.empty_like(x)
+    dx[0] = s.omega
+    dx[1] = OMEGA_S / 2 / m.H * (P_m + s.turbine - at.S.real)
+    dx[2:] = [  # targets, in the order of States
+        (m.xq - m.xq1) * at.I_dq.imag,
+        E_f - (m.xd - m.xd1) * at.I_dq.real,
+        np.abs(at.V),
+        error,
+        regulated,
+        slip,
+        washed,
+        lead1,
+        P_m * slip / -DROOP if system.governors else np.zeros_like(slip),
+        s.valve,
+    ]
+    dx[2:] -= x[2:]
+    dx[2:] /= system.lags
+    # at a limit, E_f moves inwards only
+    rise = dx[E_F]
+    dx[E_F] = np.where(E_f == m.E_f_max, np.minimum(rise, 0), np.where(E_f == m.E_f_min, np.maximum(rise, 0), rise))
+    return dx
 
 
 def runge_kutta(system: System, grid: Reduction, x: np.ndarray, h: float) -> np.ndarray:
@@ -135,8 +137,7 @@ def runge_kutta(system: System, grid: Reduction, x: np.ndarray, h: float) -> np.
     k3 = derivative(system, grid, x + h / 2 * k2)
     k4 = derivative(system, grid, x + h * k3)
     x = x + h / 6 * (k1 + 2 * (k2 + k3) + k4)
-    E_f = States._fields.index("E_f")
-    x[E_f] = limited(x[E_f], system.machines)
+    x[E_F] = limited(x[E_F], system.machines)
     return x
 
 
@@ -159,16 +160,18 @@ def equilibrium(governors: bool, pss: bool, salient: bool) -> Tuple[System, np.n
     V = point.V[machines.bus - 1]
     current = (point.S_generated[machines.bus - 1] / V).conj()
     delta = np.angle(V + 1j * machines.xq * current)  # the q axis
-    V_dq, I_dq = rotor_axes(V, delta), rotor_axes(current, delta)
+    V_dq, I_dq = (phasor * 1j * np.exp(-1j * delta) for phasor in (V, current))
     e1d, e1q = V_dq.real - machines.xq1 * I_dq.imag, V_dq.imag + machines.xd1 * I_dq.real
 
     # from here on with the network's own voltages and currents, so that nothing of the power flow's rounding is left
     loaded = network.admittance() + np.diag(load_admittances())
     grid = network.reduction(loaded, machines.bus, machines.xd1)
     at = terminals(machines, salient, grid, delta, e1d, e1q)
-    E_f = e1q + (machines.xd - machines.xd1) * rotor_axes(at.I, delta).real
+    E_f = e1q + (machines.xd - machines.xd1) * at.I_dq.real
     zero = np.zeros_like(delta)
     lag = E_f / machines.KA
     x = States(delta, zero, e1d, e1q, np.abs(at.V), lag, E_f, *[zero] * 5)
     setpoints = Setpoints(P_m=at.S.real, V_ref=np.abs(at.V) + lag)
-    return System(machines, setpoints, governors, pss, salient), np.array(x)
+    m, every = machines, np.ones_like(delta)
+    lags = [m.Tq10, m.Td10, m.TR, m.TB, m.TA, m.Tw, m.T2, m.T4, T_VALVE * every, T_TURBINE * every]
+    return System(machines, setpoints, np.array(lags), governors, pss, salient), np.array(x)
