@@ -9,6 +9,7 @@ from rich.table import Table
 from fmu_src.pmu_observer.plants import smib
 
 from . import frames, machines
+from .bad_frames import dropouts
 
 STATES = ("delta", "omega", "e1d", "e1q")
 
@@ -52,7 +53,7 @@ def main() -> None:
 
     observed = frames.observe(
         truth,
-        with_dropouts(arguments.tve, arguments.dropouts),
+        dropouts(arguments.tve, arguments.dropouts),
         1,
         seed=arguments.seed,
         alter=count_takeovers,
@@ -107,15 +108,6 @@ def wandering(u: smib.Inputs, arguments, rng):
         )
 
     return inputs
-
-
-def with_dropouts(tve: float, share: float) -> frames.Channel:
-    noisy = frames.noise(tve)
-
-    def channel(k, rng, V, I):  # noqa: E741
-        return noisy(k, rng, V, I)._replace(valid=(rng.random(V.shape) >= share) * 1.0)
-
-    return channel
 
 
 if __name__ == "__main__":
