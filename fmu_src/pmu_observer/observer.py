@@ -297,10 +297,10 @@ def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
     held = span.after.measured.held > 0
     known = p.mechanical_power == MEASURED
 
-    # I&I takes a gap and the frame that ends it as one interval
+    # I&I takes a gap and the frame that ends it as one interval; the estimator's correction is no turn of the rotor
     whole = span._replace(h=state.gap + span.h)
     before = state.rotor._replace(delta=state.rotor.delta - state.rotor.omega * state.gap)
-    turn = unwrap(xp, estimate.delta - before.delta, before.omega * whole.h)
+    turn = unwrap(xp, estimate.delta + estimate.turn - before.delta, before.omega * whole.h)
     calibrating = xp.logical_and(xp.logical_not(held), p.speed_observer == ADAPTIVE)
     calibrated = xp.cond(
         calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, whole, turn), lambda: state.adaptive
@@ -315,7 +315,7 @@ def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
         )
         # a held P drives no swing
         on = state.rotor._replace(delta=state.rotor.delta + state.rotor.omega * span.h)
-        return xp.cond(held, lambda: on, lambda: moved)
+        return xp.cond(held, lambda: on, lambda: moved._replace(delta=estimate.delta))
 
     rotor = xp.cond(
         p.speed_observer == KALMAN,
