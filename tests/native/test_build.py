@@ -109,8 +109,10 @@ def test_the_linux_binary_needs_only_an_old_c_library(path):
 
 
 @pytest.mark.skipif(not (shutil.which("cmake") and shutil.which("cc")), reason="there is no CMake or no C compiler")
-def test_fmpy_compiles_it_from_its_own_sources(path, tmp_path):
-    """Without a warning, and to the same results: the way for platforms that no binary is packed for."""
+@pytest.mark.parametrize("name", ["PmuObserver", "SmibPlant"])
+def test_fmpy_compiles_it_from_its_own_sources(native_dist, tmp_path, name):
+    """The way for platforms that no binary is packed for; the results are the same."""
+    path = native_dist / "native" / f"{name}.fmu"
     folder = tmp_path / "unzipped"
     with zipfile.ZipFile(path) as fmu:
         fmu.extractall(folder)

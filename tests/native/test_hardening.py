@@ -59,6 +59,5 @@ def test_threads_do_not_see_each_other(tmp_path):
     run(compiled("SmibPlant", tmp_path, "-O1", "-fsanitize=thread"), "threads", 8)
 
 
-@pytest.mark.parametrize("name", build_fmu.native_names())
-def test_a_step_allocates_nothing(name, tmp_path):
-    run(compiled(name, tmp_path, *COUNTED), "allocations", 1000)
+def test_a_step_allocates_nothing(tmp_path):
+    run(compiled("SmibPlant", tmp_path, *COUNTED), "allocations", 1000)

@@ -48,8 +48,9 @@ TRUTHS = {casadi.OP_LT, casadi.OP_LE, casadi.OP_EQ, casadi.OP_NE, casadi.OP_AND,
 SELECT = casadi.OP_IF_ELSE_ZERO
 """condition ? then : otherwise. CasADi has (c ? x : 0) + (!c ? y : 0) for it."""
 
+FUNCTIONS = {casadi.OP_EXP, casadi.OP_EXPM1, casadi.OP_LOG, casadi.OP_SIN, casadi.OP_COS, casadi.OP_ATAN2}
 FUNCTION_WEIGHT, WORTH_A_BRANCH = 20, 20
-"""Operations that a function of math.h counts for, and operations that an `if` has to save."""
+"""Operations that one of the FUNCTIONS counts for, and operations that an `if` has to save."""
 
 Context = Tuple[Tuple[int, bool], ...]
 """Where a node is needed: inside of these conditions, from the outermost, each of which does or does not hold."""
@@ -81,7 +82,7 @@ def c_function(name: str, f: casadi.Function) -> str:
     """
     nodes, results = read(name, f)
     places, settled = contexts(nodes, list(results.values()))
-    lines = schedule(statements(nodes, places, settled))
+    lines = schedule(statements(nodes, places, settled), nodes)
     arguments = [f"double {a}" if a in SCALARS else f"const double *{a}" for a in f.name_in()]
     arguments += [f"double *restrict {a}" for a in f.name_out()]
     body = written(lines, nodes, results.values()) + [
@@ -175,7 +176,7 @@ def contexts(nodes: List[Node], results: List[int]) -> Tuple[Dict[int, Context],
 
     weights: Counter = Counter()
     for n, context in found.items():
-        weight = 0 if nodes[n].text else FUNCTION_WEIGHT if "(" in OPERATIONS[nodes[n].operation] else 1
+        weight = 0 if nodes[n].text else FUNCTION_WEIGHT if nodes[n].operation in FUNCTIONS else 1
         for k in range(1, 1 + len(context)):
             weights[context[:k]] += weight
     for n, context in found.items():
@@ -216,7 +217,7 @@ def statements(nodes: List[Node], places: Dict[int, Context], settled: Dict[int,
     return [s._replace(needs=tuple(n for n in (*s.needs, *(c for c, _ in s.context)) if n in operations)) for s in made]
 
 
-def schedule(all_statements: List[Statement]) -> List[Line]:
+def schedule(all_statements: List[Statement], nodes: List[Node]) -> List[Line]:
     """The statements in an order in which each follows what it needs: an `if` is begun when nothing is left outside."""
     users, unset = defaultdict(set), Counter(statement.node for statement in all_statements)
     waiting = [len(set(statement.needs)) for statement in all_statements]
@@ -246,7 +247,7 @@ def schedule(all_statements: List[Statement]) -> List[Line]:
             branches(context, min(inside)[1], around)
 
     def branches(context: Context, condition: int, around: Tuple[int, ...]) -> None:
-        lines.append(Line(around, f"if (a{condition}) {{"))
+        lines.append(Line(around, f"if ({operand(nodes, condition)}) {{"))
         block((*context, (condition, True)), (*around, next(numbers)))
         lines.append(Line(around, "} else {"))
         block((*context, (condition, False)), (*around, next(numbers)))
