@@ -12,6 +12,8 @@ from fmu_src.pmu_observer import observer
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.estimators import gradient
 from fmu_src.pmu_observer.linear import Vector
+from fmu_src.pmu_observer.machine import constants
+from fmu_src.pmu_observer.speed import adaptive
 
 from . import reference
 from .reference import MOVING_CASE, PAPER_CASE
@@ -72,29 +74,70 @@ def test_the_continuous_observer_is_met(trial):
     assert (middle / fine > 1.8).all()
 
 
+def started_from_truth(p, frame, case, h):
+    """The gradient observer after its first step, with what it estimates replaced by the truth."""
+    delta, omega, e1d, e1q = case.start
+    true = Vector(e1d, e1q)
+    state, _ = observer.start("gradient", floats, p, frame, 0.0)
+    state, _ = observer.step("gradient", floats, p, state, frame, 0.0, h)
+    return state._replace(
+        estimator=gradient.State(true),
+        estimate=state.estimate._replace(delta=delta, x=true),
+        rotor=state.rotor._replace(delta=delta, omega=omega),
+    )
+
+
 def test_the_outputs_show_the_machine_to_second_order():
     """With a start from the true state, the outputs differ from the machine only by what sampling costs."""
     solution = reference.solve(MOVING_CASE, TIMES)
     inputs = inputs_along(MOVING_CASE, solution)
     p = parameters_of(MOVING_CASE.machine, "gradient")._replace(k_speed=K)
-    delta, omega, e1d, e1q = MOVING_CASE.start
     largest = []
     for stride in STRIDES:
         h, frames = stride * FINEST, inputs[::stride]
-        state, _ = observer.start("gradient", floats, p, frames[0], 0.0)
-        state, _ = observer.step("gradient", floats, p, state, frames[0], 0.0, h)
-        true = Vector(e1d, e1q)
-        state = state._replace(
-            estimator=gradient.State(true),
-            estimate=state.estimate._replace(delta=delta, x=true),
-            rotor=state.rotor._replace(delta=delta, omega=omega),
-        )
+        state = started_from_truth(p, frames[0], MOVING_CASE, h)
         outputs = []
         for k, frame in enumerate(frames[1:], 1):
             state, now = observer.step("gradient", floats, p, state, frame, k * h, h)
             outputs.append(now)
         expected = solution.machine[:, ::stride].T
         largest.append(np.abs(shown(outputs[:-1]) - expected[2:]).max(axis=0))
+    coarse, middle, fine = largest
+    np.testing.assert_allclose(coarse / middle, 4, rtol=0.15)
+    np.testing.assert_allclose(middle / fine, 4, rtol=0.1)
+
+
+def test_one_prediction():
+    """From a true state, over one step: P and A held make an error of h^2 in omega and x, and of h^3 in delta."""
+    p = parameters_of(MOVING_CASE.machine, "gradient")._replace(k_speed=K)
+    found = []
+    for h in (4e-3, 2e-3):
+        solution = reference.solve(MOVING_CASE, [0.0, h])
+        state = started_from_truth(p, inputs_along(MOVING_CASE, solution)[0], MOVING_CASE, h)
+        outputs = observer.predict("gradient", floats, p, p.machine, constants(p.machine), state)
+        found.append(np.abs(shown([outputs])[0] - solution.machine[:, -1]))
+    np.testing.assert_allclose(found[0] / found[1], [8, 4, 4, 4], rtol=0.1)
+
+
+def test_adaptive_speed_observer():
+    """a0 and b0 change over an interval: the speed takes their mean."""
+    case = MOVING_CASE._replace(machine=MOVING_CASE.machine._replace(D=0.3))
+    gains = adaptive.Parameters(gamma=1e3)
+    continuous = reference.speed_adaptive(case, K, 1.0, 5.0, *gains)
+    continuous.start[0] += case.start[1]  # x2 = z + k x1 starts from the true speed
+    solution = reference.solve(case, TIMES, continuous)
+    expected = np.column_stack([solution.observer[0] + K * solution.machine[0], *solution.observer[8:]])
+    inputs = inputs_along(case, solution)
+    p = parameters_of(case.machine, "gradient")._replace(k_speed=K, speed_observer=observer.ADAPTIVE, adaptive=gains)
+    largest = []
+    for stride in STRIDES:
+        h, frames = stride * FINEST, inputs[::stride]
+        state = started_from_truth(p, frames[0], case, h)._replace(adaptive=adaptive.State(a0=1.0, b0=5.0))
+        found = []
+        for k, frame in enumerate(frames[1:], 1):
+            state, _ = observer.step("gradient", floats, p, state, frame, k * h, h)
+            found.append([state.rotor.omega, state.adaptive.a0, state.adaptive.b0])
+        largest.append(np.abs(np.array(found) - expected[::stride][1:]).max(axis=0))
     coarse, middle, fine = largest
     np.testing.assert_allclose(coarse / middle, 4, rtol=0.15)
     np.testing.assert_allclose(middle / fine, 4, rtol=0.1)
