@@ -106,7 +106,7 @@ def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
     S = gradient @ P @ gradient - 2 * gradient @ common + np.trace(Hessian @ P @ Hessian @ P) / 2 + R
     assert r * r < 9 * S  # else the gain is limited
     K = (P @ gradient - common) / S
-    updated = kalman.update(floats, t, v, Y1, R)
+    updated = kalman.update(floats, t, v, kalman.Circle(Y1, R, held=0.0))
     np.testing.assert_allclose([*updated.gaussian.x, updated.gaussian.E_f], x + K * r, rtol=1e-12)
     np.testing.assert_allclose(dense(updated.gaussian.P), P - np.outer(K, K) * S, rtol=1e-12, atol=1e-15)
     assert updated.innovation == pytest.approx(r / np.sqrt(S), rel=1e-12)
@@ -119,7 +119,7 @@ def test_an_outlier_moves_the_estimate_by_a_bounded_amount(excess):
     """The gain P H^T/max(S, r^2/9) times r is at most 3 P H^T/sqrt(S)... and never makes P indefinite."""
     v = a_gaussian(np.random.default_rng(1))
     t = kalman.transition(floats, C, an_interval(E_f_known=0.0, tve=0.001), 0.0, 0.0)
-    updated = kalman.update(floats, t, v, v.x.d**2 + v.x.q**2 + excess, 1e-3).gaussian
+    updated = kalman.update(floats, t, v, kalman.Circle(v.x.d**2 + v.x.q**2 + excess, 1e-3, held=0.0)).gaussian
     P, gradient = dense(v.P), np.array([2 * v.x.d, 2 * v.x.q, 0.0])
     common = np.append(by_nu(t, t.common, np.array(v.x)), 0.0)
     S = gradient @ P @ gradient - 2 * gradient @ common + 1e-3

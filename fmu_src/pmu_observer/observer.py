@@ -265,10 +265,14 @@ def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> Sta
 
     near = state.rotor.delta + state.rotor.omega * h
     moved = estimator.step(xp, own, c, state.estimator, span)
-    x = estimator.estimate(xp, moved, s, near).x
-    credible = is_finite(xp, (1e6 * x.d, 1e6 * x.q))  # below 1000 pu: an estimator that ran away starts again
-    moved = xp.cond(credible, lambda: moved, lambda: estimator.start(xp, own, c, s))
     estimate = estimator.estimate(xp, moved, s, near)
+    credible = is_finite(xp, [1e6 * x for x in estimate.x])  # below 1000 pu: an estimator that ran away starts again
+
+    def restarted():
+        fresh = estimator.start(xp, own, c, s)
+        return fresh, estimator.estimate(xp, fresh, s, near)
+
+    moved, estimate = xp.cond(credible, lambda: (moved, estimate), restarted)
 
     rotor, calibrated = swing(xp, p, c, state, span, estimate)
     return State(

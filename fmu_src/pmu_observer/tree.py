@@ -21,6 +21,23 @@ def _collect(tree, add):
             add(branch)
 
 
+def changed(tree: Any, before: Any) -> List[Any]:
+    """The scalars of a tree, less those of the branches that it shares with another one of its shape."""
+    found: List[Any] = []
+    _collect_changed(tree, before, found.append)
+    return found
+
+
+def _collect_changed(tree, before, add):
+    for branch, old in zip(tree, before):
+        if branch is old:
+            continue
+        if isinstance(branch, tuple):
+            _collect_changed(branch, old, add)
+        else:
+            add(branch)
+
+
 def names(tree: Any) -> List[str]:
     """The dotted name of every leaf, in the order of `leaves`: `gpebo.xi.d`, ...; a plain tuple counts from 0"""
     if not isinstance(tree, tuple):

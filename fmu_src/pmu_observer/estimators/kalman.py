@@ -13,6 +13,7 @@ from ..angle import Covariance
 from ..interface import Scalar
 from ..linear import Complex, Matrix, Vector, apply, decay_mean
 from ..machine import Constants
+from ..phasors import Signals
 from ..sampling import Interval
 
 
@@ -34,6 +35,19 @@ class Transition(NamedTuple):
     b: Vector  # b2, b1, 1/s, less what decays within the interval
     E_f: Scalar  # pu, measured
     E_f_known: Scalar
+
+
+class Circle(NamedTuple):
+    """What a frame says of (E'd, E'q): how far it is from zero."""
+
+    Y1: Scalar  # pu^2, less the mean of its error
+    R: Scalar  # pu^4, variance of that error
+    held: Scalar  # 1 where no usable frame came
+
+
+def circle(c: Constants, s: Signals) -> Circle:
+    s2, R = noise.of_Y1(c, s)
+    return Circle(s.Y1 - s2, R, s.measured.held)
 
 
 class Updated(NamedTuple):
@@ -86,24 +100,25 @@ def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
 
     n is what a jump of nu at an unknown instant does.
     """
-    F, G, P = t.F, t.G, v.P
+    F, G = t.F, t.G
+    P_dd, P_dq, P_qq, P_df, P_qf, P_ff = v.P
     moved = apply(F, v.x)
     x = Vector(moved.d + t.g.d + G.d * v.E_f, moved.q + t.g.q + G.q * v.E_f)
     # [F G] P
-    dd = F.dd * P.dd + F.dq * P.dq + G.d * P.df
-    dq = F.dd * P.dq + F.dq * P.qq + G.d * P.qf
-    df = F.dd * P.df + F.dq * P.qf + G.d * P.ff
-    qd = F.qd * P.dd + F.qq * P.dq + G.q * P.df
-    qq = F.qd * P.dq + F.qq * P.qq + G.q * P.qf
-    qf = F.qd * P.df + F.qq * P.qf + G.q * P.ff
+    dd = F.dd * P_dd + F.dq * P_dq + G.d * P_df
+    dq = F.dd * P_dq + F.dq * P_qq + G.d * P_qf
+    df = F.dd * P_df + F.dq * P_qf + G.d * P_ff
+    qd = F.qd * P_dd + F.qq * P_dq + G.q * P_df
+    qq = F.qd * P_dq + F.qq * P_qq + G.q * P_qf
+    qf = F.qd * P_df + F.qq * P_qf + G.q * P_ff
     n = by_nu(t, t.jump, v.x)
     covariance = Covariance(
-        dd=dd * F.dd + dq * F.dq + df * G.d + t.Q.d + n.d * n.d,
-        dq=dd * F.qd + dq * F.qq + df * G.q + n.d * n.q,
-        qq=qd * F.qd + qq * F.qq + qf * G.q + t.Q.q + n.q * n.q,
-        df=df,
-        qf=qf,
-        ff=P.ff + walk,
+        dd * F.dd + dq * F.dq + df * G.d + t.Q.d + n.d * n.d,
+        dd * F.qd + dq * F.qq + df * G.q + n.d * n.q,
+        qd * F.qd + qq * F.qq + qf * G.q + t.Q.q + n.q * n.q,
+        df,
+        qf,
+        P_ff + walk,
     )
     return Gaussian(x, xp.where(t.E_f_known > 0, t.E_f, v.E_f), covariance)
 
@@ -122,32 +137,30 @@ def across(x: Vector) -> Vector:
     return Vector(-x.q / r2, x.d / r2)
 
 
-def update(xp, t: Transition, v: Gaussian, Y1, R) -> Updated:
-    """With Y1, less the mean of its error, and the error's variance R; to second order in the error of x:
+def update(xp, t: Transition, v: Gaussian, circle: Circle) -> Updated:
+    """With a frame, to second order in the error of x:
 
     r = Y1 - |x|^2 - tr P,   S = H P H^T - 2 H C + 2 tr P^2 + R,   H = 2 x^T,   K = (P H^T - C)/max(S, r^2/9)
 
     C is the covariance of the errors of x and Y1: the frame at the end of the interval went into A, by half for this
     interval and by half for the next one.
     """
-    d, q, P = v.x.d, v.x.q, v.P
+    (d, q), E_f, (dd, dq, qq, df, qf, ff) = v
+    Y1, R, _ = circle
     C = by_nu(t, t.common, v.x)
     # P H^T - C
-    hd = 2 * (d * P.dd + q * P.dq) - C.d
-    hq = 2 * (d * P.dq + q * P.qq) - C.q
-    hf = 2 * (d * P.df + q * P.qf)
-    r = Y1 - d * d - q * q - P.dd - P.qq
-    S = 2 * (d * (hd - C.d) + q * (hq - C.q) + P.dd * P.dd + 2 * P.dq * P.dq + P.qq * P.qq) + R
+    hd = 2 * (d * dd + q * dq) - C.d
+    hq = 2 * (d * dq + q * qq) - C.q
+    hf = 2 * (d * df + q * qf)
+    r = Y1 - d * d - q * q - dd - qq
+    S = 2 * (d * (hd - C.d) + q * (hq - C.q) + dd * dd + 2 * dq * dq + qq * qq) + R
     S = xp.maximum(S, R / 10)  # x far off the circle
     normalised2 = r * r / S
     weight = 1 / (S * xp.maximum(normalised2 / 9, 1.0))  # beyond 3 standard deviations a residual counts no further
     kd, kq, kf = weight * hd, weight * hq, weight * hf
+    P = Covariance(dd - kd * hd, dq - kd * hq, qq - kq * hq, df - kd * hf, qf - kq * hf, ff - kf * hf)
     return Updated(
-        Gaussian(
-            Vector(d + kd * r, q + kq * r),
-            v.E_f + kf * r,
-            Covariance(P.dd - kd * hd, P.dq - kd * hq, P.qq - kq * hq, P.df - kd * hf, P.qf - kq * hf, P.ff - kf * hf),
-        ),
+        Gaussian(Vector(d + kd * r, q + kq * r), E_f + kf * r, P),
         r / xp.sqrt(S),
         -(xp.log(S) + xp.minimum(normalised2, 16.0)) / 2,
     )

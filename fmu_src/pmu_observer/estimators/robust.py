@@ -14,11 +14,11 @@ from math import cos, pi, sin
 from typing import Any, NamedTuple
 
 from .. import noise
-from ..angle import Covariance, direction_variance, rotor_angle
+from ..angle import Covariance, Estimate, direction_variance, rotor_angle
 from ..interface import Scalar
 from ..linear import Vector
 from . import kalman
-from .kalman import Gaussian, Updated
+from .kalman import Circle, Gaussian, Updated
 
 SIZE = 24
 """Hypotheses; 8 capture a wrong well in 4 % of random machines, 24 in less than 0.1 %."""
@@ -123,14 +123,15 @@ def step(xp, p, c, state, interval):
 
     walk = WALK_TRACKER * (1 + FORCING * xp.exp(-calm / FORCING_DECAY))
     predicted = kalman.predict(xp, t, state.tracker, unknown * walk * walk)
-    u = updated(xp, c, t, predicted, s)
+    circle = kalman.circle(c, s)
+    u = updated(xp, t, predicted, circle)
 
     before = state.supervision
     before = before._replace(tracker_score=before.tracker_score + u.log_likelihood, age=before.age + h)
     tracking = state.tracking > 0
     verdict = xp.cond(
         before.age > 0,
-        lambda: supervise(xp, c, before, u.gaussian, tracking, s, t, unknown * WALK_BANK * WALK_BANK),
+        lambda: supervise(xp, before, u.gaussian, tracking, circle, t, unknown * WALK_BANK * WALK_BANK),
         lambda: Verdict(before, 0.0, u.gaussian),
     )
     wakes = xp.logical_and(verdict.supervision.age >= 0, before.age <= 0)
@@ -158,32 +159,35 @@ def step(xp, p, c, state, interval):
     )
 
 
-def updated(xp, c, t, predicted: Gaussian, s) -> Updated:
+def updated(xp, t, predicted: Gaussian, circle: Circle) -> Updated:
     """With the frame, if it is one."""
-    s2, R = noise.of_Y1(c, s)
     return xp.cond(
-        s.measured.held > 0,
+        circle.held > 0,
         lambda: Updated(predicted, 0.0, 0.0),
-        lambda: kalman.update(xp, t, predicted, s.Y1 - s2, R),
+        lambda: kalman.update(xp, t, predicted, circle),
     )
 
 
-def supervise(xp, c, before: Supervision, tracker: Gaussian, tracking, s, t, walk) -> Verdict:
+def supervise(xp, before: Supervision, tracker: Gaussian, tracking, circle: Circle, t, walk) -> Verdict:
     """The bank over the interval; is one well left, does the bank replace the tracker, and what does it do next?"""
     bank, scores = [], []
     for gaussian, score in before.bank:
-        u = updated(xp, c, t, kalman.predict(xp, t, gaussian, walk), s)
+        u = updated(xp, t, kalman.predict(xp, t, gaussian, walk), circle)
         bank.append(Hypothesis(u.gaussian, score + u.log_likelihood))
         # (x, E_f) -> (-x, -E_f) is a solution too, and E_f > -0.5 excludes it
         scores.append(xp.where(u.gaussian.E_f < -0.5, -1e6, score + u.log_likelihood))
     best, lead = winner(xp, bank, scores)
     tracker_score = before.tracker_score - best
-    mixed = mixture(xp, bank, [score - best for score in scores])
+    alone = xp.logical_and(before.age >= LEAST_AGE, lead > RIVAL_LEAD)
+    mixed = xp.cond(
+        xp.logical_or(xp.logical_not(tracking), alone),
+        lambda: mixture(xp, bank, [score - best for score in scores]),
+        lambda: tracker,  # nothing comes of the bank yet
+    )
 
-    settled = mixed.P.dd + mixed.P.qq < CAPTURE_SPREAD * CAPTURE_SPREAD * s.Y1
-    captured = xp.logical_and(xp.logical_and(before.age >= LEAST_AGE, settled), lead > RIVAL_LEAD)
+    captured = xp.logical_and(alone, mixed.P.dd + mixed.P.qq < CAPTURE_SPREAD * CAPTURE_SPREAD * circle.Y1)
     ahead = xp.logical_and(captured, tracker_score < -TAKEOVER_LEAD)
-    takeover = xp.logical_and(tracking, xp.logical_and(ahead, contradict(xp, tracker, mixed, s.Y1)))
+    takeover = xp.logical_and(tracking, xp.logical_and(ahead, contradict(xp, tracker, mixed, circle.Y1)))
     replaces = xp.logical_or(xp.logical_not(tracking), takeover)
 
     done = xp.logical_and(captured, before.age > SUPERVISED_AGE)
@@ -201,16 +205,16 @@ def supervise(xp, c, before: Supervision, tracker: Gaussian, tracking, s, t, wal
 
 def winner(xp, bank, scores):
     """The best score, and its lead over all hypotheses that are farther than 0.1 |x| from the best one."""
-    best, d, q = scores[0], *bank[0].gaussian.x
-    for score, (gaussian, _) in zip(scores[1:], bank[1:]):
+    best, ((d, q), _, _) = scores[0], bank[0].gaussian
+    for score, (((own_d, own_q), _, _), _) in zip(scores[1:], bank[1:]):
         better = score > best
-        best, d, q = [xp.where(better, a, b) for a, b in zip((score, *gaussian.x), (best, d, q))]
+        best, d, q = xp.where(better, score, best), xp.where(better, own_d, d), xp.where(better, own_q, q)
     near2 = RIVAL_DISTANCE * RIVAL_DISTANCE * (d * d + q * q)
     rival = -1e6
-    for score, (gaussian, _) in zip(scores, bank):
-        away_d, away_q = gaussian.x.d - d, gaussian.x.q - q
+    for score, (((own_d, own_q), _, _), _) in zip(scores, bank):
+        away_d, away_q = own_d - d, own_q - q
         far = away_d * away_d + away_q * away_q > near2
-        rival = xp.maximum(rival, xp.where(far, score, -1e6))
+        rival = xp.where(far, xp.maximum(rival, score), rival)
     return best, best - rival
 
 
@@ -245,15 +249,9 @@ def contradict(xp, tracker: Gaussian, mixed: Gaussian, Y1):
 
 
 def estimate(xp, state, s, near):
-    v = state.tracker
-    return rotor_angle(xp, s, v.x, near)._replace(
-        covariance=v.P,
-        E_f=v.E_f,
-        innovation=state.innovation,
-        capturing=1 - state.tracking,
-        turn=state.turn,
-        turn_variance=state.turn_variance,
-    )
+    x, E_f, P = state.tracker
+    delta = rotor_angle(xp, s, x, near).delta
+    return Estimate(delta, x, P, E_f, state.innovation, 1 - state.tracking, state.turn, state.turn_variance)
 
 
 def outputs(xp, state):

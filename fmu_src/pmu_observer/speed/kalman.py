@@ -67,10 +67,9 @@ def step(xp, c: Constants, rotor: Rotor, interval: Interval, estimate: Estimate,
     held = after.held > 0
     P_m = xp.where(P_m_known, (before.P_m + after.P_m) / 2, rotor.P_m)
     moved = predict(xp, c, rotor, interval, P_m, P_m_known)
-    predicted = moved._replace(
-        delta=moved.delta - estimate.turn,
-        covariance=moved.covariance._replace(dd=moved.covariance.dd + estimate.turn_variance),
-    )
+    dd, *others = moved.covariance
+    turned = RotorCovariance(dd + estimate.turn_variance, *others)
+    predicted = Rotor(moved.delta - estimate.turn, moved.omega, moved.P_m, turned)
     variance = angle_variance(c, interval.after)
     corrected = xp.cond(held, lambda: predicted, lambda: update(xp, predicted, estimate.delta, variance))
     return corrected._replace(P_m=xp.where(P_m_known, after.P_m, corrected.P_m))

@@ -147,7 +147,7 @@ class ModelSlave:
         except (ArithmeticError, ValueError) as error:
             return self._discard(f"the step is not done: {error}; {self._input_values()}")
         outputs = tree.leaves(outputs)
-        if not (isfinite(sum(outputs)) and isfinite(sum(tree.leaves(state)))):
+        if not (isfinite(sum(outputs)) and isfinite(sum(tree.changed(state, self.state)))):
             return self._discard(f"the step is not done: its result is not finite; {self._input_values()}")
         self.state = state
         self.values[self.end_of_parameters :] = outputs
