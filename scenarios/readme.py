@@ -2,11 +2,12 @@
 
 import json
 import shutil
+from math import prod
 from pathlib import Path
 
 from . import loader
 from .errors import ScenarioError
-from .plan import sweep_text
+from .plan import sweep_text, value_text
 
 README = Path(__file__).parents[1] / "README.md"
 GALLERY = Path(__file__).parent / "gallery"
@@ -43,13 +44,31 @@ def rows_of(summary: dict) -> list[str]:
         groups.setdefault((verdict["when"], verdict["wanted"]), []).append(verdict)
     rows = []
     for (when, wanted), verdicts in groups.items():
-        swept = dict.fromkeys(sweep_text(verdict["each"]) for verdict in verdicts)
+        swept = sweeps_text([verdict["each"] for verdict in verdicts])
         names = dict.fromkeys(verdict["name"] for verdict in verdicts)
         measured = "<br>".join(measured_of([v for v in verdicts if v["name"] == name]) for name in names)
         mark = "" if all(verdict["holds"] for verdict in verdicts) else " **fails**"
-        cells = (summary["scenario"], "<br>".join(swept), when, wanted.replace("|", "\\|") + mark, measured)
+        cells = (summary["scenario"], swept, when, wanted.replace("|", "\\|") + mark, measured)
         rows.append("| " + " | ".join(cells) + " |")
     return rows
+
+
+def sweeps_text(sweeps: list[dict]) -> str:
+    """`seed = 1, 2; E_f = measured, estimated` for all four combinations; a line each where some are missing."""
+    lines = list(dict.fromkeys(sweep_text(sweep) for sweep in sweeps))
+    if all(sweep.keys() == sweeps[0].keys() for sweep in sweeps):
+        values = {key: list(dict.fromkeys(sweep[key] for sweep in sweeps)) for key in sweeps[0]}
+        if len(lines) == prod(map(len, values.values())):
+            return "; ".join(f"{key} = {series_text(series)}" for key, series in values.items())
+    return "<br>".join(lines)
+
+
+def series_text(series: list) -> str:
+    """`1 to 10` for whole numbers without a gap."""
+    whole = all(isinstance(value, int) for value in series)
+    if whole and len(series) > 2 and series == list(range(series[0], series[0] + len(series))):
+        return f"{series[0]} to {series[-1]}"
+    return ", ".join(map(value_text, series))
 
 
 def measured_of(verdicts: list[dict]) -> str:
