@@ -11,30 +11,43 @@ from .plan import sweep_text, value_text
 
 README = Path(__file__).parents[1] / "README.md"
 GALLERY = Path(__file__).parent / "gallery"
-BEGIN, END = "<!-- results: begin -->\n", "<!-- results: end -->"
 
-FIGURES = {"paper_drem": "states", "record_g6": "states", "smib_fault": "states"}
-"""Scenario and figure: those that the README shows, as gallery/<scenario>.png."""
+FIGURES = {"paper_drem": "states", "record_g6": "states", "smib_fault": "states", "compare": "capture"}
+"""Run and figure: those that the README shows, as gallery/<run>.png."""
 
 
 def update(results: Path) -> None:
-    """Write the table of expectations and copy the figures. ScenarioError for a scenario without a run."""
+    """Write the tables and copy the figures. ScenarioError for what has not been run."""
     rows = ["| scenario | of | when | expected | measured |", "|---|---|---|---|---|"]
     for name in loader.names():
-        rows += rows_of(summary(results, name))
-    text = README.read_text(encoding="utf-8")
-    head, rest = text.split(BEGIN)
-    table = "\n".join(rows)
-    README.write_text(f"{head}{BEGIN}{table}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+        rows += rows_of(summary(results, name, f"run {name}"))
+    write("results", rows)
+    write("compare", rows_of_comparison(summary(results, "compare", "compare")))
     for name, figure in FIGURES.items():
         shutil.copy(results / name / f"{figure}.png", GALLERY / f"{name}.png")
 
 
-def summary(results: Path, name: str) -> dict:
+def summary(results: Path, name: str, command: str) -> dict:
     path = results / name / "summary.json"
     if not path.exists():
-        raise ScenarioError(f'scenario "{name}" has not been run; python -m scenarios run {name}')
+        raise ScenarioError(f"{name} has not been run; python -m scenarios {command}")
     return json.loads(path.read_text(encoding="utf-8"))
+
+
+def write(block: str, rows: list[str]) -> None:
+    """Put the rows of a table between the README's marks of that name."""
+    begin, end = f"<!-- {block}: begin -->\n", f"<!-- {block}: end -->"
+    head, rest = README.read_text(encoding="utf-8").split(begin)
+    README.write_text(head + begin + "\n".join(rows) + "\n" + end + rest.split(end)[1], encoding="utf-8")
+
+
+def rows_of_comparison(summary: dict) -> list[str]:
+    """`robust` beside the best EKF or UKF, quantity by quantity."""
+    rows = [f"| median or RMS of {summary['seeds']} noise seeds | robust | best peer | ratio |", "|---|---|---|---|"]
+    for v in summary["verdicts"]:
+        own, peer, ratio = (f"{v[key]:.2g}" if v[key] else "" for key in ("robust", "peer", "ratio"))
+        rows.append(f"| {v['quantity']} | {own} {v['unit']} | {peer} {v['unit'] if peer else ''} ({v['of']}) | {ratio} |")
+    return rows
 
 
 def rows_of(summary: dict) -> list[str]:
