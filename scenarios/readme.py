@@ -12,7 +12,13 @@ from .plan import sweep_text, value_text
 README = Path(__file__).parents[1] / "README.md"
 GALLERY = Path(__file__).parent / "gallery"
 
-FIGURES = {"paper_drem": "states", "record_g6": "states", "smib_fault": "states", "compare": "capture"}
+FIGURES = {
+    "paper_drem": "states",
+    "record_g6": "states",
+    "smib_fault": "states",
+    "ieee39_all": "load_angles",
+    "compare": "capture",
+}
 """Run and figure: those that the README shows, as gallery/<run>.png."""
 
 
