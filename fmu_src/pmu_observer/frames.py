@@ -43,13 +43,15 @@ def is_gross(xp, c: Constants, interval: Interval, estimate: Estimate, rotor: Ro
     """
     s, h, P, R = interval.after, interval.h, estimate.covariance, rotor.covariance
     x = propagate(interval.flow, estimate.x)
-    delta = rotor.delta + h * rotor.omega
+    acceleration = c.b0 * (rotor.P_m - (interval.before.measured.P + s.measured.P) / 2)
+    delta = rotor.delta + h * (rotor.omega + h / 2 * acceleration)
     cos, sin = xp.cos(delta), xp.sin(delta)
     re, im = s.Y2 - (cos * x.d - sin * x.q), s.Y3 - (sin * x.d + cos * x.q)
     b = xp.maximum(c.b1, c.b2) * h / 2
     jump = interval.jump.nu
     jump_variance = b * b * (jump.re * jump.re + jump.im * jump.im) * s.Y1
-    angle_variance = R.dd + h * h * R.oo
+    wrong = c.b0 * h * h / 4 * interval.jump.P
+    angle_variance = R.dd + h * h * R.oo + wrong * wrong
     variance = noise.of_phasor(c, s) + 2 * (P.dd + P.qq + s.Y1 * angle_variance) + jump_variance + 4e-6 * s.Y1
     sure = xp.logical_and(estimate.capturing < 0.5, xp.logical_and(P.dd > 0, R.dd > 0))
     return xp.logical_and(sure, re * re + im * im > GROSS * variance)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from .. import noise
 from ..angle import Covariance
 from ..interface import Scalar
-from ..linear import Complex, Matrix, Vector, apply, decay_mean
+from ..linear import Complex, Matrix, Vector, apply, decay_mean, dot
 from ..machine import Constants
 from ..phasors import Signals
 from ..sampling import Interval
@@ -124,11 +124,15 @@ def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
 
 
 def turn_variance(t: Transition, before: Gaussian, after: Gaussian):
-    """Of the change of the error of arg(x3 + j x4) over an interval, rad^2: that of x changes by (F - I) and by Q."""
-    v, w = across(before.x), across(after.x)
+    """Of the change of the error of arg(x3 + j x4) over an interval, rad^2.
+
+    That of x changes by (F - I), by Q and by a jump of nu, n.
+    """
+    v, w, n = across(before.x), across(after.x), by_nu(t, t.jump, before.x)
     e = Vector(w.d * t.F.dd + w.q * t.F.qd - v.d, w.d * t.F.dq + w.q * t.F.qq - v.q)
-    P = before.P
-    return e.d * e.d * P.dd + 2 * e.d * e.q * P.dq + e.q * e.q * P.qq + w.d * w.d * t.Q.d + w.q * w.q * t.Q.q
+    P, turned = before.P, dot(w, n)
+    own = e.d * e.d * P.dd + 2 * e.d * e.q * P.dq + e.q * e.q * P.qq
+    return own + w.d * w.d * t.Q.d + w.q * w.q * t.Q.q + turned * turned
 
 
 def across(x: Vector) -> Vector:
