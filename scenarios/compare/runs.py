@@ -28,8 +28,14 @@ class Errors(NamedTuple):
 
     delta: np.ndarray  # rad, in (-pi, pi]
     omega: np.ndarray  # rad/s
-    e1: np.ndarray  # pu, |error of (E'd, E'q)|
+    e1d: np.ndarray  # pu
+    e1q: np.ndarray  # pu
     tracking: np.ndarray  # 1 where the estimator says that it has captured; a peer always does
+
+    @property
+    def e1(self):
+        """|error of (E'd, E'q)|, pu."""
+        return np.hypot(self.e1d, self.e1q)
 
 
 def noisy(truth: Truth, tves, seeds: int, seed: int) -> Frames:
@@ -45,11 +51,11 @@ def errors(truth: Truth, k: int, x, tracking=1.0):
     """Of an estimate of (delta, omega, E'd, E'q) for frame k + 1."""
     true = (truth.delta, truth.omega, truth.e1d, truth.e1q)
     delta, omega, e1d, e1q = (value - column[k + 1] for value, column in zip(x, true, strict=True))
-    return np.broadcast_arrays(unwrap(np, delta, 0.0), omega, np.hypot(e1d, e1q), tracking)
+    return np.broadcast_arrays(unwrap(np, delta, 0.0), omega, e1d, e1q, tracking)
 
 
 def run_observer(name: str, noisy: Frames, progress: Callable[[], None], **parameters) -> Errors:
-    """The observer with the estimator `name`; a parameter may be an array that broadcasts with (TVEs, seeds)."""
+    """The observer with the estimator `name`; machine and parameters may be arrays that broadcast with (TVEs, seeds)."""
     truth = noisy.truth
     p = observer.Parameters(machine=truth.machine, tve=noisy.tve, **parameters)
     state, rows = None, []
@@ -64,20 +70,22 @@ def run_observer(name: str, noisy: Frames, progress: Callable[[], None], **param
 
 
 def run_peer(step: Callable, noisy: Frames, x, P, q, progress: Callable[[], None]) -> Errors:
-    """An EKF or UKF from x (..., TVEs, seeds, 4) and P, with the process noise q (..., TVEs, 1, 3)."""
+    """An EKF or UKF from x (..., TVEs, seeds, 4) and P, with the process noise q (..., TVEs, 1, 3).
+
+    For the EKF the machine may be one of arrays that broadcast with (..., TVEs, seeds).
+    """
     truth, h = noisy.truth, PERIOD
     c = machine.constants(truth.machine)
     Q = process_noise(q, noisy.tve)
     shape = np.broadcast_shapes(x.shape[:-1], P.shape[:-2], Q.shape[:-2])
     x = np.broadcast_to(x, (*shape, 4))
-    z, size2 = model.measured(c, noisy.V, noisy.I)
-    z = np.stack([z.real, z.imag], axis=-1)
-    R = noisy.tve**2 * size2 / 2
     u = [model.Inputs(*each) for each in zip(truth.P_m, truth.E_f, np.abs(noisy.V), np.angle(noisy.V), strict=True)]
     rows = []
     for k in range(len(truth.V) - 1):
         rows.append(errors(truth, k, model.f(np, c, np.moveaxis(x, -1, 0), u[k], h)))
-        x, P = step(c, x, P, Q, model.mean(u[k], u[k + 1]), h, z[k + 1], R[k + 1])
+        z, size2 = model.measured(c, noisy.V[k + 1], noisy.I[k + 1])
+        z, R = np.stack([z.real, z.imag], axis=-1), noisy.tve**2 * size2 / 2
+        x, P = step(c, x, P, Q, model.mean(u[k], u[k + 1]), h, z, R)
         progress()
     return Errors(*map(np.array, zip(*rows, strict=True)))
 
