@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from . import loader, readme, report, study
-from .errors import ScenarioError
+from .errors import ScenarioError, alternatives
 from .plan import Plan, value_text
 from .scenario import Scenario
 
@@ -51,6 +51,12 @@ def main(arguments: list[str] | None = None) -> int:
         command.add_argument("names", nargs="+", metavar="NAME", help="a scenario's name (see list), or a .toml file")
     about = "estimators beside an EKF and a UKF on the same noisy frames: accuracy, capture, cost (extra: bench)"
     command = commands.add_parser("compare", help=about, description=f"{about.capitalize()}.")
+    command.add_argument(
+        "name",
+        nargs="?",
+        default="record_g6",
+        help="what they run on: record_g6 (default), record_g6_6th_order or smib_fault",
+    )
     command.add_argument("--seeds", type=int, default=100, help="noise seeds (default: %(default)s)")
     chosen = parser.parse_args(arguments)
     console = Console()
@@ -62,7 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
             readme.update(RESULTS)
             return 0
         if chosen.command == "compare":
-            run_comparison(console, chosen.seeds)
+            run_comparison(console, chosen.name, chosen.seeds)
             return 0
         scenarios = [loader.load(name) for name in chosen.names]
         if chosen.command == "show":
@@ -90,7 +96,7 @@ def run(console: Console, one: Scenario) -> bool:
     return all(verdict.holds for verdict in verdicts)
 
 
-def run_comparison(console: Console, seeds: int) -> None:
+def run_comparison(console: Console, name: str, seeds: int) -> None:
     if seeds < 1:
         raise ScenarioError(f"--seeds {seeds}: give at least one seed")
     try:
@@ -98,14 +104,17 @@ def run_comparison(console: Console, seeds: int) -> None:
         from .compare import report as compared
     except ModuleNotFoundError as missing:
         raise ScenarioError(f"compare needs {missing.name}: pip install '.[bench]'") from missing
-    start = perf_counter()
+    if name not in comparison.JUDGED:
+        raise ScenarioError(f'compare: there is no "{name}"; {alternatives(name, list(comparison.JUDGED))}')
+    start, folder = perf_counter(), RESULTS / "compare" / name
     with progress_bar(console) as progress:
-        found = comparison.compare(seeds, progress)
+        found = comparison.compare(name, seeds, progress)
         costs = cost.measure()
     compared.print_table(console, found, costs, seeds)
-    compared.print_verdicts(console, compared.verdicts(found, costs), costs)
-    compared.write(found, costs, seeds, RESULTS / "compare")
-    console.print(f"It took {perf_counter() - start:.0f} s; see {RESULTS / 'compare'}/\n", highlight=False)
+    compared.print_verdicts(console, compared.verdicts(found, costs))
+    compared.print_costs(console, costs)
+    compared.write(found, costs, seeds, folder)
+    console.print(f"It took {perf_counter() - start:.0f} s; see {folder}/\n", highlight=False)
 
 
 @contextmanager

@@ -105,6 +105,7 @@ def summary(name, start, error, captured):
 
 def test_the_table_says_who_wins(tmp_path):
     found = comparison.Comparison(
+        "A record",
         t=np.arange(1.0, 4.0),
         summaries=[
             summary("robust", "none", 2e-3, 0.1),
@@ -124,7 +125,8 @@ def test_the_table_says_who_wins(tmp_path):
 
     console = Console(width=100, file=StringIO(), record=True)
     report.print_table(console, found, costs, 100)
-    report.print_verdicts(console, report.verdicts(found, costs), costs)
+    report.print_verdicts(console, report.verdicts(found, costs))
+    report.print_costs(console, costs)
     text = console.export_text()
     assert "…" not in text
     assert "*1" in next(line for line in text.splitlines() if line.startswith("EKF, good"))

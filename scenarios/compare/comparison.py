@@ -1,12 +1,33 @@
-"""The comparison: every estimator on the frames of record_g6, over TVEs and noise seeds."""
+"""The comparison: every estimator on the same frames, over TVEs and noise seeds."""
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from ..studies import frames
+from ..studies import frames, machines
 from . import batch, runs, tuning
+
+
+def smib_fault() -> frames.Truth:
+    """The plant and the fault of scenarios/smib_fault.toml."""
+    return machines.simulate(machines.g6_behind_line(t_fault=10.0, t_clear=10.1, x_fault=0.03), 20.0)
+
+
+class Judged(NamedTuple):
+    """What the estimators are judged on; 20 s."""
+
+    title: str
+    truth: Callable[[], frames.Truth]
+
+
+JUDGED = {
+    "record_g6": Judged("Record of generator 6", lambda: frames.record(frames.RECORD_G6)),
+    "record_g6_6th_order": Judged(
+        "Record of generator 6 of the 6th order", lambda: frames.record(frames.RECORD_G6_6TH_ORDER)
+    ),
+    "smib_fault": Judged("Fault of 100 ms at generator 6", smib_fault),
+}
 
 TVES = (0.0003, 0.001, 0.003, 0.01, 0.03)
 SHOWN = [1, 3]
@@ -20,8 +41,8 @@ RIGHT, CLOSE = 0.1, 0.01
 
 TUNING_SEEDS = 3
 
-JUDGED, TUNED_ON = 1, 2
-"""Seeds of the two records' noise."""
+SEED, TUNING_SEED = 1, 2
+"""Of the two records' noise."""
 
 PEERS = {"EKF": batch.ekf_step, "UKF": batch.ukf_step}
 
@@ -44,18 +65,20 @@ class Summary(NamedTuple):
 
 
 class Comparison(NamedTuple):
+    title: str
     t: np.ndarray  # s
     summaries: list[Summary]
     tunings: dict[str, tuple[np.ndarray, np.ndarray]]
     """By peer: q_omega, q_d, q_q, and the standard deviation of the flat start, for each of TVES."""
 
 
-def compare(seeds: int, progress: Callable[[float], None]) -> Comparison:
-    """Run all; `progress` is told the share of the work that is done."""
-    truth = frames.record(frames.RECORD_G6)
+def compare(name: str, seeds: int, progress: Callable[[float], None]) -> Comparison:
+    """Run all on JUDGED[name]; `progress` is told the share of the work that is done."""
+    title, make_truth = JUDGED[name]
+    truth = make_truth()
     t = frames.PERIOD * np.arange(1, len(truth.V))
-    judged = runs.noisy(truth, TVES, seeds, JUDGED)
-    to_tune_on = runs.noisy(tuning.record_to_tune_on(), TVES, TUNING_SEEDS, TUNED_ON)
+    judged = runs.noisy(truth, TVES, seeds, SEED)
+    to_tune_on = runs.noisy(tuning.record_to_tune_on(), TVES, TUNING_SEEDS, TUNING_SEED)
     done = Work(progress, len(t) * (ROBUST + 3 * OTHER + 2 * PEER + 6 * GRID))
 
     cases = {"robust": (1, 1), "robust, no P_m": (2, 1), "robust, no P_m, no E_f": (2, 2)}
@@ -73,7 +96,7 @@ def compare(seeds: int, progress: Callable[[float], None]) -> Comparison:
         summaries.append(in_hindsight(name, step, judged, t, done.of(GRID)))
     for name in ("gradient", "drem", "open_loop"):
         summaries.append(summary(name, "none", t, runs.run_observer(name, judged, done.of(OTHER))))
-    return Comparison(t, summaries, tunings)
+    return Comparison(title, t, summaries, tunings)
 
 
 def part(e: runs.Errors, i: int) -> runs.Errors:

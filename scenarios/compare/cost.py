@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 
@@ -13,21 +13,23 @@ from fmu_src.pmu_observer.estimators import ESTIMATORS
 
 from .. import study
 from ..fmu import Fmu
-from ..studies import frames
+from ..studies import frames, machines
 from ..studies.frames import PERIOD
 from . import filterpy_filters, model, runs, tuning
 
 FRAMES, REPEATS = 600, 3
 
+MACHINES, BANK_FRAMES = 10_000, 12
+"""All at once on the numpy carrier, while their banks run."""
+
 NATIVE_FMU = Path("dist/native/PmuObserver.fmu")
 """Timed where it has been built."""
-
 
 TVE = 0.001
 
 
 def measure() -> dict[str, float]:
-    """Seconds a step, on the first FRAMES frames of record_g6; the fastest of REPEATS runs."""
+    """CPU time of a step, s, on the first FRAMES frames of record_g6; the fastest of REPEATS runs."""
     truth = frames.record(frames.RECORD_G6)
     noisy = runs.noisy(truth, (TVE,), 1, 1)
     V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
@@ -42,6 +44,7 @@ def measure() -> dict[str, float]:
 
     for name in ("robust", "gradient", "drem", "open_loop"):
         fastest(name, bare, name, truth.machine, inputs)
+    fastest("robust, its bank at rest", bare, "robust", truth.machine, inputs, rests)
     fmus = {"Python FMU": study.built("cost", "PmuObserver")}
     if NATIVE_FMU.is_file():
         fmus["native FMU"] = NATIVE_FMU
@@ -49,16 +52,27 @@ def measure() -> dict[str, float]:
         fastest(f"robust, {name}", through_fmu, path, truth.machine, inputs)
     for name, peer in (("EKF", filterpy_filters.Ekf), ("UKF", filterpy_filters.Ukf)):
         fastest(name, on_filterpy, peer, noisy)
+    found[f"robust, numpy, a machine of {MACHINES}"] = on_arrays()
     return found
 
 
-def bare(name: str, m: machine.TwoAxisMachine, inputs: list[observer.Inputs]) -> float:
+def bare(
+    name: str, m: machine.TwoAxisMachine, inputs: list[observer.Inputs], counts: Callable = lambda state: True
+) -> float:
+    """The mean over the steps whose state `counts`."""
     p = observer.Parameters(machine=m, tve=TVE)
     state, _ = observer.start(name, floats, p, inputs[0], 0.0)
-    begin = perf_counter()
+    spans = []
     for k, frame in enumerate(inputs):
+        counted, begin = counts(state), process_time()
         state, _ = observer.step(name, floats, p, state, frame, k * PERIOD, PERIOD)
-    return (perf_counter() - begin) / len(inputs)
+        if counted:
+            spans.append(process_time() - begin)
+    return float(np.mean(spans))
+
+
+def rests(state: observer.State) -> bool:
+    return state.estimator.supervision.age + PERIOD <= 0
 
 
 def through_fmu(path: Path, m: machine.TwoAxisMachine, inputs: list[observer.Inputs]) -> float:
@@ -70,12 +84,12 @@ def through_fmu(path: Path, m: machine.TwoAxisMachine, inputs: list[observer.Inp
         slave.enter_initialization(FRAMES * PERIOD)
         slave.set(rows[0])
         slave.exit_initialization()
-        begin = perf_counter()
+        begin = process_time()
         for k, row in enumerate(rows):
             slave.set(row)
             slave.step(k * PERIOD, PERIOD)
             slave.get(("delta", "omega", "e1d", "e1q"))
-        span = perf_counter() - begin
+        span = process_time() - begin
         slave.close()
     return span / len(rows)
 
@@ -90,8 +104,18 @@ def on_filterpy(peer, noisy: runs.Frames) -> float:
         model.Inputs(*map(float, each))
         for each in zip(truth.P_m[:FRAMES], truth.E_f, np.abs(V), np.angle(V), strict=False)
     ]
-    begin = perf_counter()
+    begin = process_time()
     for k in range(len(V) - 1):
         R = np.eye(2) * TVE**2 * size2[k + 1] / 2
         one.step(model.mean(u[k], u[k + 1]), PERIOD, np.array([z[k + 1].real, z[k + 1].imag]), R)
-    return (perf_counter() - begin) / (len(V) - 1)
+    return (process_time() - begin) / (len(V) - 1)
+
+
+def on_arrays() -> float:
+    """The fastest step of all machines, over their number."""
+    truth = machines.simulate(machines.random_machines(MACHINES, np.random.default_rng(1)), BANK_FRAMES * PERIOD)
+    times, begin = [], process_time()
+    for _ in frames.observe(truth, frames.noise(TVE), 1, tve=TVE):
+        times.append(process_time() - begin)
+        begin = process_time()
+    return min(times[1:]) / MACHINES  # the first one starts them too

@@ -18,6 +18,9 @@ from .comparison import CLOSE, RIGHT, SHOWN, STEADY_FROM, TVES, Comparison, Summ
 
 MILLI = 1e3
 
+NARROWEST = 100
+"""Characters; a table that is wider than the terminal is better than one that leaves out figures."""
+
 QUANTITIES = {"e1": "E'd, E'q\n10⁻³ pu", "delta": "delta\nmrad", "omega": "omega\nmrad/s"}
 
 UNITS = {"e1": "pu", "delta": "rad", "omega": "rad/s"}
@@ -32,9 +35,10 @@ def cost_of(s: Summary, costs: dict[str, float]) -> float:
 
 
 def print_table(console: Console, comparison: Comparison, costs: dict[str, float], seeds: int) -> None:
+    console.width = max(console.width, NARROWEST)
     tves = " and ".join(f"{TVES[i]:.1%}" for i in SHOWN)
     console.print(
-        f"Record of generator 6, 60 frames/s, {seeds} noise seeds, TVE {tves}. RMS error from {STEADY_FROM:g} s on; "
+        f"{comparison.title}, 60 frames/s, {seeds} noise seeds, TVE {tves}. RMS error from {STEADY_FROM:g} s on; "
         f"median time until the error of (E'd, E'q) stays below {RIGHT:g} pu (and the estimator says so) and below "
         f"{CLOSE:g} pu; time of one step in Python. * is the best of its column.\n",
         highlight=False,
@@ -111,7 +115,7 @@ def verdict(quantity: str, unit: str, own: float, peers: dict[str, float]) -> Ve
     )
 
 
-def print_verdicts(console: Console, found: list[Verdict], costs: dict[str, float]) -> None:
+def print_verdicts(console: Console, found: list[Verdict]) -> None:
     table = Table("robust against the best EKF or UKF", "unit", box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
     for name in ("robust", "peer", "ratio"):
         table.add_column(name, justify="right")
@@ -120,8 +124,16 @@ def print_verdicts(console: Console, found: list[Verdict], costs: dict[str, floa
         numbers = [f"{value:.2g}" if np.isfinite(value) else "-" for value in (v.robust, v.peer, v.ratio)]
         table.add_row(v.quantity, v.unit, *numbers, v.winner if v.winner == "robust" else f"[bold]{v.winner}[/]")
     console.print(table, "", highlight=False)
-    steps = ", ".join(f"{name} {1e6 * seconds:.0f} µs" for name, seconds in costs.items())
-    console.print(f"One step: {steps}. (The FMUs through FMPy, the EKF and the UKF on FilterPy.)\n", highlight=False)
+    console.print()
+
+
+def print_costs(console: Console, costs: dict[str, float]) -> None:
+    table = Table("one step", box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for name in ("µs", "in that of the EKF"):
+        table.add_column(name, justify="right")
+    for name, seconds in costs.items():
+        table.add_row(name, f"{1e6 * seconds:.1f}", f"{seconds / costs['EKF']:.2f}")
+    console.print(table, "(The FMUs through FMPy, the EKF and the UKF on FilterPy.)\n", highlight=False)
 
 
 def write(comparison: Comparison, costs: dict[str, float], seeds: int, folder: Path) -> None:
@@ -177,7 +189,7 @@ def draw_courses(comparison: Comparison, path: Path) -> None:
             ax.set_title(f"TVE {TVES[i]:.1%}", fontsize="medium")
             ax.set_xlabel("time [s]")
         axes[0].set_ylabel("|error of (E'd, E'q)|, median over the seeds [pu]")
-        finish(canvas, axes[0], "Record of generator 6: error against time", path)
+        finish(canvas, axes[0], f"{comparison.title}: error against time", path)
 
 
 def draw_steady(comparison: Comparison, path: Path) -> None:
@@ -190,7 +202,7 @@ def draw_steady(comparison: Comparison, path: Path) -> None:
             ax.set_title(QUANTITIES[q].split("\n")[0], fontsize="medium")
             ax.set_xlabel("TVE [%]")
             ax.set_ylabel(f"RMS error from {STEADY_FROM:g} s on [{unit}]")
-        finish(canvas, axes[0], "Record of generator 6: steady error against noise", path)
+        finish(canvas, axes[0], f"{comparison.title}: steady error against noise", path)
 
 
 def finish(canvas, ax, title: str, path: Path) -> None:

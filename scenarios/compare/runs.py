@@ -55,7 +55,7 @@ def errors(truth: Truth, k: int, x, tracking=1.0):
 
 
 def run_observer(name: str, noisy: Frames, progress: Callable[[], None], **parameters) -> Errors:
-    """The observer with the estimator `name`; machine and parameters may be arrays that broadcast with (TVEs, seeds)."""
+    """The observer with the estimator `name`; its parameters may be arrays that broadcast with (TVEs, seeds)."""
     truth = noisy.truth
     p = observer.Parameters(machine=truth.machine, tve=noisy.tve, **parameters)
     state, rows = None, []

@@ -1,7 +1,7 @@
 """Machine parameters wrong by 10 %, and the assumed noise by factors: the errors that result, next to an EKF's.
 
-The EKF is that of `python -m scenarios compare`: given P_m and E_f, the best of its grid, which was tuned with the right
-parameters on another record, from a good start. All get the same frames and the same wrong parameters.
+The EKF is that of `python -m scenarios compare`: given P_m and E_f, the best of its grid, tuned on another record with
+the right parameters, from a good start. All get the same frames and the same wrong parameters.
 """
 
 import argparse

@@ -29,8 +29,8 @@ WALK_TRACKER, WALK_BANK = 0.1, 0.02
 FORCING, FORCING_DECAY = 20.0, 1.0
 """A jump of the network sets exciters going: WALK_TRACKER is 1 + 20 e^(-t/1 s) times as large t after it."""
 
-LEAST_AGE, SUPERVISED_AGE, GREATEST_AGE, REST = 0.1, 0.25, 5.0, 0.5
-"""s: no capture before, the end of a supervision once captured, and in any case; the rest before the next one."""
+SUPERVISED_AGE, GREATEST_AGE, REST = 0.25, 5.0, 0.5
+"""s: the end of a supervision once captured, and in any case; the rest before the next one."""
 
 CAPTURE_SPREAD, RIVAL_DISTANCE, RIVAL_LEAD = 0.03, 0.1, 12.5
 """Captured: the mixture's standard deviation is below 0.03 |E'|, and the best hypothesis leads all that are farther
@@ -178,7 +178,7 @@ def supervise(xp, before: Supervision, tracker: Gaussian, tracking, circle: Circ
         scores.append(xp.where(u.gaussian.E_f < -0.5, -1e6, score + u.log_likelihood))
     best, lead = winner(xp, bank, scores)
     tracker_score = before.tracker_score - best
-    alone = xp.logical_and(before.age >= LEAST_AGE, lead > RIVAL_LEAD)
+    alone = lead > RIVAL_LEAD
     mixed = xp.cond(
         xp.logical_or(xp.logical_not(tracking), alone),
         lambda: mixture(xp, bank, [score - best for score in scores]),
