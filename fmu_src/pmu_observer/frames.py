@@ -17,8 +17,9 @@ LONGEST_REPEAT = 1.0
 GROSS = 25.0
 """Squared standard deviations beyond which a frame is a gross error."""
 
-MOST_REJECTED = 2
-"""Gross errors in a row; the next one is believed: then it is the estimate that is wrong."""
+MOST_REJECTED, FORGIVEN = 2, 0.25
+"""Gross errors in a row; the next one is believed: then it is the estimate that is wrong. So it is where more than one
+frame in five is rejected: a good frame makes up for a quarter of a gross one."""
 
 
 def is_usable(xp, frame: Frame, machine_inputs, valid):

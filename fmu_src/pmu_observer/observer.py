@@ -6,6 +6,7 @@ that cannot be used is replaced by the last good one, turned on at the estimated
 """
 
 from collections import namedtuple
+from math import pi
 from typing import Annotated, Any, List, NamedTuple
 
 from . import frames, noise, tree
@@ -131,7 +132,7 @@ class Outputs(NamedTuple):
 
 class State(NamedTuple):
     started: Scalar  # 0 until the first usable frame, then 1
-    rejected: Scalar  # gross errors in a row
+    rejected: Scalar  # gross errors of late
     elapsed: Scalar  # s, since the last frame due
     gap: Scalar  # s, held over before that
     frame: Frame  # the last usable one, as it came
@@ -277,7 +278,7 @@ def close(name, xp, p, c, state: State, frame: Frame, s: Signals, usable) -> Sta
     rotor, calibrated = swing(xp, p, c, state, span, estimate)
     return State(
         started=1.0,
-        rejected=xp.where(gross, state.rejected + 1, 0.0),
+        rejected=xp.where(gross, state.rejected + 1, xp.maximum(state.rejected - frames.FORGIVEN, 0.0)),
         elapsed=0.0,
         gap=xp.where(s.measured.held > 0, state.gap + h, 0.0),
         frame=xp.cond(usable, lambda: frame, lambda: state.frame),
@@ -326,7 +327,10 @@ def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
         lambda: kalman_speed.step(xp, c, state.rotor, span, estimate, known),
         by_immersion_invariance,
     )
-    credible = is_finite(xp, (1e6 * rotor.omega,))  # below 1000 rad/s: a speed observer that ran away starts again
+    # a speed observer that ran away starts again: beyond 1000 rad/s, or, since a full turn between two frames is none,
+    # where a Kalman filter that trusts itself would hold on to it, beyond a quarter turn a frame
+    turning = xp.where(p.speed_observer == KALMAN, rotor.omega * span.h, 0.0)
+    credible = xp.logical_and(is_finite(xp, (1e6 * rotor.omega,)), xp.abs(turning) < pi / 2)
     rotor = xp.cond(credible, lambda: rotor, lambda: rotor_at_start(xp, p, c, span.after, estimate))
     return rotor, xp.cond(credible, lambda: calibrated, lambda: adaptive_ii.start(c))
 
