@@ -123,8 +123,6 @@ def describe(specification: Specification) -> str:
         return ", ".join(f"{item} ({number})" for number, item in enumerate(specification.items, 1))
     if isinstance(specification, Boolean):
         return "false (0), true (1)"
-    if isinstance(specification, Boolean):
-        return "false (0), true (1)"
     low = "-inf" if specification.min is None else f"{specification.min:g}"
     high = "inf" if specification.max is None else f"{specification.max:g}"
     if isinstance(specification, Integer):

@@ -21,6 +21,9 @@ from . import Rotor, RotorCovariance
 ACCELERATION_WALK = 0.24
 """rad/s^2/sqrt(s) of b0 P_m: 0.005 pu/sqrt(s) for a machine of H = 4 s on its own base, at 60 Hz."""
 
+OMEGA_WALK = 0.24
+"""rad/s/sqrt(s) of omega while frames are held over."""
+
 ACCELERATION_START = 14.0
 """rad/s^2, standard deviation of b0 (P_m - P) at the first frame: 0.3 pu for the same machine."""
 
@@ -95,7 +98,7 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
     jump = interval.jump.P
     # of an acceleration that is wrong for the whole interval; while frames are held it is left out
     wrong = xp.where(held, acceleration * acceleration, b0 * b0 * (S * S + jump * jump / 4))
-    drift = xp.where(held, ACCELERATION_WALK * ACCELERATION_WALK, 0.0) * h
+    drift = xp.where(held, OMEGA_WALK * OMEGA_WALK * h, 0.0)
     walk = xp.where(P_m_known, 0.0, ACCELERATION_WALK * ACCELERATION_WALK * h / xp.maximum(c.b0 * c.b0, 1e-12))
     covariance = RotorCovariance(
         dd=dd + m.t * do + w * dp + m.w * m.w * wrong,
