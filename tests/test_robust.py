@@ -281,6 +281,36 @@ def test_single_bad_frames_are_held_over_and_flagged(how):
     assert rms < 2 * clean_rms
 
 
+def test_random_angles_leave_no_alias_in_the_speed():
+    """A turn of 2 pi between two frames, or of 2 pi/3 where every third is believed, would fit them all for good."""
+    rng = np.random.default_rng(3)
+    truth, seeds = part(TRUTH, slice(0, 360)), 100
+
+    def turned(now, last):
+        turn = np.exp(2j * pi * rng.random(now.V.shape))
+        return now._replace(V=turn * now.V, I=turn * now.I)
+
+    s = frames.series(truth, spoil(turned, lambda k: 120 <= k < 180), seeds, tve=0.003, mechanical_power=2)
+    late = s.t > 5.5
+    assert np.all(s.status[late] == observer.TRACKING)
+    assert np.max(abs(s.omega[late])) < 0.1 and np.max(s.e1[late]) < 0.02
+
+
+@pytest.mark.parametrize("t_fault", [2.0, 2.007])
+def test_a_fault_does_not_shake_the_rotor(t_fault):
+    """The power jumps by 2.5 pu: half of it, for half an interval or the whole, is 0.11 rad/s; two sigma cover it."""
+    plant = machines.g6_behind_line(t_fault=t_fault, t_clear=t_fault + 0.1, x_fault=0.03)
+    truth = machines.simulate(plant, 3.0)
+    s = frames.series(truth, frames.noise(0.001), 40, tve=0.001, mechanical_power=2)
+    jumps = [round(np.ceil(t * 60)) for t in (t_fault, t_fault + 0.1)]  # shown here is what was predicted before
+    after = [k for k in range(jumps[0], len(s.t)) if k + 1 not in jumps and k > jumps[0]]
+    assert not np.any(s.status == observer.HOLDING)
+    for error, std, most in ((s.delta, s.delta_std, 0.01), (s.omega, s.omega_std, 0.2)):
+        assert np.max(abs(error[after])) < most
+        assert np.mean((error[after] / std[after]) ** 2) < 2
+        assert np.max(abs(error[after] / std[after])) < 5
+
+
 def test_a_gap_is_survived():
     """2 s without frames at TVE 1 %: the aims are 3 times the clean error after 0.5 s and 1.5 times after 1 s."""
     truth, seeds = part(TRUTH, slice(0, 480)), 60

@@ -39,8 +39,8 @@ def is_gross(xp, c: Constants, interval: Interval, estimate: Estimate, rotor: Ro
     """Is j E' of the frame that closes the interval more than 5 standard deviations from where it is expected?
 
     That is e^{j delta}(x3 + j x4), which no event in the network can make jump. Half the jump of A and of P over the
-    interval is allowed for; so are 0.2 % of what the model does not know. Only where both estimator and speed observer say how
-    sure they are: I&I does not, and rejecting what contradicts it would leave it wrong.
+    interval is allowed for; so are 0.2 % of what the model does not know. Only where both estimator and speed observer
+    say how sure they are: I&I does not, and rejecting what contradicts it would leave it wrong.
     """
     s, h, P, R = interval.after, interval.h, estimate.covariance, rotor.covariance
     x = propagate(interval.flow, estimate.x)

@@ -216,8 +216,9 @@ def read(xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State, input
     usable = frames.is_usable(xp, inputs.frame, (P_m, E_f), inputs.frame_valid)
     given = inputs.frame, P_m, E_f
     frame, P_m, E_f = xp.cond(usable, lambda: given, lambda: tree.map(lambda _: 1.0, given))  # math.cos(inf) raises
+    tve = xp.where(p.tve > 0, p.tve, noise.learnt(xp, state.noise))
     measured = measurement(xp, frame, P_m, E_f, p.power_source == 2)._replace(
-        tve=xp.where(p.tve > 0, p.tve, noise.learnt(xp, state.noise)), E_f_known=xp.where(field_known, 1.0, 0.0)
+        tve=xp.maximum(tve, noise.LEAST_TVE), E_f_known=xp.where(field_known, 1.0, 0.0)
     )
     s = signals(xp, c, behind_resistance(xp, measured, m.Ra))
     return xp.logical_and(usable, is_consistent(xp, s)), s

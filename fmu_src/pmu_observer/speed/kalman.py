@@ -47,6 +47,10 @@ def angle_variance(c: Constants, s: Signals):
     return noise.of_phasor(c, s) / (2 * s.Y1)
 
 
+SURPRISE = 25.0
+"""Squared standard deviations beyond which a residual is not noise."""
+
+
 class Motion(NamedTuple):
     """delta+ = delta + t omega + w f,  omega+ = E omega + v f,  f = b0 (P_m - P) constant."""
 
@@ -112,10 +116,15 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
 
 
 def update(xp, rotor: Rotor, angle, variance) -> Rotor:
-    """With the angle and its variance: K = P H^T/S, H = (1, 0, 0)."""
-    P = rotor.covariance
-    S = P.dd + variance
+    """With the angle and its variance: K = P H^T/S, H = (1, 0, 0).
+
+    A residual beyond 5 standard deviations says that P is too small: P grows until they are 5.
+    """
     e = unwrap(xp, angle - rotor.delta, 0.0)
+    before = rotor.covariance
+    wider = xp.maximum((e * e / SURPRISE - variance) / before.dd, 1.0)
+    P = RotorCovariance(*[wider * v for v in before])
+    S = P.dd + variance
     kd, ko, kp = P.dd / S, P.do / S, P.dp / S
     covariance = RotorCovariance(
         dd=P.dd - kd * P.dd,
