@@ -19,6 +19,8 @@ class Judged(NamedTuple):
 
     title: str
     truth: Callable[[], frames.Truth]
+    captured_by: float = 20.0
+    """s; capture is what comes before."""
 
 
 JUDGED = {
@@ -26,7 +28,7 @@ JUDGED = {
     "record_g6_6th_order": Judged(
         "Record of generator 6 of the 6th order", lambda: frames.record(frames.RECORD_G6_6TH_ORDER)
     ),
-    "smib_fault": Judged("Fault of 100 ms at generator 6", smib_fault),
+    "smib_fault": Judged("Fault of 100 ms at generator 6", smib_fault, captured_by=10.0),
 }
 
 TVES = (0.0003, 0.001, 0.003, 0.01, 0.03)
@@ -37,7 +39,7 @@ STEADY_FROM = 5.0
 """s"""
 
 RIGHT, CLOSE = 0.1, 0.01
-"""pu; captured: the error of (E'd, E'q) stays below RIGHT, and the estimator says so; settled: it stays below CLOSE."""
+"""pu; captured: the error of (E'd, E'q) stays below RIGHT, and the estimator says so; settled: below CLOSE."""
 
 TUNING_SEEDS = 3
 
@@ -74,17 +76,20 @@ class Comparison(NamedTuple):
 
 def compare(name: str, seeds: int, progress: Callable[[float], None]) -> Comparison:
     """Run all on JUDGED[name]; `progress` is told the share of the work that is done."""
-    title, make_truth = JUDGED[name]
+    title, make_truth, captured_by = JUDGED[name]
     truth = make_truth()
     t = frames.PERIOD * np.arange(1, len(truth.V))
     judged = runs.noisy(truth, TVES, seeds, SEED)
     to_tune_on = runs.noisy(tuning.record_to_tune_on(), TVES, TUNING_SEEDS, TUNING_SEED)
     done = Work(progress, len(t) * (ROBUST + 3 * OTHER + 2 * PEER + 6 * GRID))
 
+    def summary_of(name: str, start: str, e: runs.Errors) -> Summary:
+        return summary(name, start, t, e, captured_by)
+
     cases = {"robust": (1, 1), "robust, no P_m": (2, 1), "robust, no P_m, no E_f": (2, 2)}
     power, field = (np.array(items)[:, None, None] for items in zip(*cases.values(), strict=True))
     e = runs.run_observer("robust", judged, done.of(ROBUST), mechanical_power=power, field_voltage=field)
-    summaries = [summary(name, "none", t, part(e, i)) for i, name in enumerate(cases)]
+    summaries = [summary_of(name, "none", part(e, i)) for i, name in enumerate(cases)]
 
     tunings = {}
     for name, step in PEERS.items():
@@ -92,10 +97,10 @@ def compare(name: str, seeds: int, progress: Callable[[float], None]) -> Compari
         x = np.stack([runs.good_start(judged), runs.flat_start(judged), runs.flat_start(judged, A_QUARTER_TURN)])
         P = np.stack(np.broadcast_arrays(tuning.P_GOOD, P_flat, P_flat))[..., None]
         e = runs.run_peer(step, judged, x, tuning.P_of(P), q, done.of(PEER))
-        summaries += [summary(name, start, t, part(e, i)) for i, start in enumerate(("good", "flat", "bad"))]
+        summaries += [summary_of(name, start, part(e, i)) for i, start in enumerate(("good", "flat", "bad"))]
         summaries.append(in_hindsight(name, step, judged, t, done.of(GRID)))
     for name in ("gradient", "drem", "open_loop"):
-        summaries.append(summary(name, "none", t, runs.run_observer(name, judged, done.of(OTHER))))
+        summaries.append(summary_of(name, "none", runs.run_observer(name, judged, done.of(OTHER))))
     return Comparison(title, t, summaries, tunings)
 
 
@@ -114,7 +119,7 @@ def in_hindsight(name: str, step, judged: runs.Frames, t, progress: Callable[[],
     best = np.argmin(np.stack([over_grid.delta, over_grid.omega, over_grid.e1]), axis=1)
     q = tuning.GRID[best][:, :, None, :]
     e = runs.run_peer(step, shown, runs.good_start(shown), tuning.P_of(tuning.P_GOOD), q, progress)
-    by_delta, by_omega, by_e1 = (summary(name, "hindsight", t, part(e, i)) for i in range(3))
+    by_delta, by_omega, by_e1 = (summary(name, "hindsight", t, part(e, i), t[-1]) for i in range(3))
     best = by_e1._replace(delta=by_delta.delta, omega=by_omega.omega)
     return best._replace(**{name: at_shown(getattr(best, name)) for name in best._fields[2:]})
 
@@ -126,10 +131,10 @@ def at_shown(values):
     return spread
 
 
-def summary(name: str, start: str, t, e: runs.Errors) -> Summary:
-    steady = t > STEADY_FROM - 1e-9
+def summary(name: str, start: str, t, e: runs.Errors, captured_by: float) -> Summary:
+    steady, early = t > STEADY_FROM - 1e-9, t < captured_by + 1e-9
     said = np.maximum.accumulate(e.tracking, axis=0) > 0
-    captured, settled = (since(t, said & (e.e1 < limit)) for limit in (RIGHT, CLOSE))
+    captured, settled = (since(t[early], (said & (e.e1 < limit))[early]) for limit in (RIGHT, CLOSE))
     return Summary(
         name,
         start,

@@ -1,6 +1,7 @@
 """What a step takes: the observer bare and as an FMU, and the peers on FilterPy, on the same frames in one run."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
@@ -17,7 +18,7 @@ from ..studies import frames, machines
 from ..studies.frames import PERIOD
 from . import filterpy_filters, model, runs, tuning
 
-FRAMES, REPEATS = 600, 3
+FRAMES, REPEATS = 600, 5
 
 MACHINES, BANK_FRAMES = 10_000, 12
 """All at once on the numpy carrier, while their banks run."""
@@ -29,7 +30,7 @@ TVE = 0.001
 
 
 def measure() -> dict[str, float]:
-    """CPU time of a step, s, on the first FRAMES frames of record_g6; the fastest of REPEATS runs."""
+    """CPU time of a step, s, on the first FRAMES frames of record_g6; the fastest of REPEATS rounds."""
     truth = frames.record(frames.RECORD_G6)
     noisy = runs.noisy(truth, (TVE,), 1, 1)
     V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
@@ -37,23 +38,19 @@ def measure() -> dict[str, float]:
         observer.Inputs(observer.Frame(*map(float, frames.frame(v, i))), float(P_m), float(E_f))
         for v, i, P_m, E_f in zip(V, I, truth.P_m, truth.E_f, strict=False)
     ]
-    found = {}
-
-    def fastest(name: str, run: Callable, *arguments) -> None:
-        found[name] = min(run(*arguments) for _ in range(REPEATS))
-
-    for name in ("robust", "gradient", "drem", "open_loop"):
-        fastest(name, bare, name, truth.machine, inputs)
-    fastest("robust, its bank at rest", bare, "robust", truth.machine, inputs, rests)
     fmus = {"Python FMU": study.built("cost", "PmuObserver")}
     if NATIVE_FMU.is_file():
         fmus["native FMU"] = NATIVE_FMU
-    for name, path in fmus.items():
-        fastest(f"robust, {name}", through_fmu, path, truth.machine, inputs)
-    for name, peer in (("EKF", filterpy_filters.Ekf), ("UKF", filterpy_filters.Ukf)):
-        fastest(name, on_filterpy, peer, noisy)
-    found[f"robust, numpy, a machine of {MACHINES}"] = on_arrays()
-    return found
+    peers = {"EKF": filterpy_filters.Ekf, "UKF": filterpy_filters.Ukf}
+    one_step: dict[str, Callable[[], float]] = {
+        **{name: partial(bare, name, truth.machine, inputs) for name in ("robust", "gradient", "drem", "open_loop")},
+        "robust, its bank at rest": partial(bare, "robust", truth.machine, inputs, rests),
+        **{f"robust, {kind}": partial(through_fmu, path, truth.machine, inputs) for kind, path in fmus.items()},
+        **{name: partial(on_filterpy, peer, noisy) for name, peer in peers.items()},
+    }
+    rounds = [{name: seconds() for name, seconds in one_step.items()} for _ in range(REPEATS)]
+    fastest = {name: min(found[name] for found in rounds) for name in one_step}
+    return {**fastest, f"robust, numpy, a machine of {MACHINES}": on_arrays()}
 
 
 def bare(
