@@ -18,6 +18,7 @@ from .plan import Plan, value_text
 from .scenario import Scenario
 
 RESULTS = Path("results")
+COMPARED = "record_g6"
 PATIENCE = 2.0
 """s; a run that takes longer shows its progress."""
 
@@ -54,8 +55,8 @@ def main(arguments: list[str] | None = None) -> int:
     command.add_argument(
         "name",
         nargs="?",
-        default="record_g6",
-        help="what they run on: record_g6 (default), record_g6_6th_order or smib_fault",
+        default=COMPARED,
+        help="what they run on: record_g6, record_g6_6th_order or smib_fault (default: %(default)s)",
     )
     command.add_argument("--seeds", type=int, default=100, help="noise seeds (default: %(default)s)")
     chosen = parser.parse_args(arguments)
@@ -106,7 +107,8 @@ def run_comparison(console: Console, name: str, seeds: int) -> None:
         raise ScenarioError(f"compare needs {missing.name}: pip install '.[bench]'") from missing
     if name not in comparison.JUDGED:
         raise ScenarioError(f'compare: there is no "{name}"; {alternatives(name, list(comparison.JUDGED))}')
-    start, folder = perf_counter(), RESULTS / "compare" / name
+    start = perf_counter()
+    folder = RESULTS / ("compare" if name == COMPARED else f"compare_{name}")  # the README shows the first
     with progress_bar(console) as progress:
         found = comparison.compare(name, seeds, progress)
         costs = cost.measure()
