@@ -42,10 +42,17 @@ def of_nu_and_Y1(s: Signals) -> Complex:
     return Complex(scale * (a * (1 + 2 * re) + 2 * b * im), scale * (b * (1 + 2 * re) - 2 * a * im))
 
 
+AT_FIRST = -9.21
+"""log tve^2 of 1 %; too large is harmless, too small is not."""
+
+FEW = 30
+"""Frames from which no tve below the first one is concluded."""
+
+
 class Estimate(NamedTuple):
     """tve from the frames themselves, as long as it is not given."""
 
-    log_tve2: Scalar = -9.21  # 1 %: too large is harmless, too small is not
+    log_tve2: Scalar = AT_FIRST
     frames: Scalar = 0.0
     Y1: Scalar = 1.0  # of the last two frames
     Y1_before: Scalar = 1.0
@@ -76,4 +83,4 @@ def learn(xp, c: Constants, e: Estimate, s: Signals) -> Estimate:
 
 
 def learnt(xp, e: Estimate):
-    return xp.exp(e.log_tve2 / 2)
+    return xp.exp(xp.maximum(e.log_tve2, xp.where(e.frames < FEW, AT_FIRST, e.log_tve2)) / 2)

@@ -22,6 +22,7 @@ from typing import Annotated, Any, List, NamedTuple
 from . import mrg32k3a, tree
 from .angle import unwrap
 from .interface import INLINE, Boolean, Enumeration, Integer, Real, Rule, Scalar
+from .linear import Complex
 from .mrg32k3a import Generator
 from .phasors import Frame, is_finite
 
@@ -117,11 +118,6 @@ class State(NamedTuple):
     generator: Generator
     network: Any  # Network
     shown: Packet  # the values of the last frame that came, and whether there was one since
-
-
-class Complex(NamedTuple):
-    re: Scalar
-    im: Scalar
 
 
 def rules(xp, p: Parameters, inputs: Inputs) -> List[Rule]:

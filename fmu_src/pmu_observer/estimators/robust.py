@@ -85,7 +85,16 @@ class State(NamedTuple):
 def start(xp, p, c, s):
     bank = fresh(xp, c, s)
     mixed = mixture(xp, bank, [0.0] * SIZE)
-    return State(mixed, 0.0, 0.0, 0.0, 0.0, 0.0, 1e3, Supervision(bank, 0.0, 0.0))
+    return State(
+        tracker=mixed,
+        tracking=0.0,
+        innovation=0.0,
+        turn=0.0,
+        turn_variance=0.0,
+        gap=0.0,
+        calm=1e3,
+        supervision=Supervision(bank, tracker_score=0.0, age=0.0),
+    )
 
 
 def fresh(xp, c, s):

@@ -122,7 +122,7 @@ def update(xp, rotor: Rotor, angle, variance) -> Rotor:
     """
     e = unwrap(xp, angle - rotor.delta, 0.0)
     before = rotor.covariance
-    wider = xp.maximum((e * e / SURPRISE - variance) / before.dd, 1.0)
+    wider = xp.maximum((e * e / SURPRISE - variance) / xp.maximum(before.dd, 1e-30), 1.0)
     P = RotorCovariance(*[wider * v for v in before])
     S = P.dd + variance
     kd, ko, kp = P.dd / S, P.do / S, P.dp / S
