@@ -21,7 +21,7 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
-    parser.add_argument("--machines", type=int, default=1000, help="random machines; 10000 is the full study")
+    parser.add_argument("--machines", type=int, default=10000, help="random machines")
     parser.add_argument("--tve", type=float, default=0.003, help="noise of the phasors, and what is assumed")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
