@@ -10,6 +10,10 @@ import build_fmu
 from scenarios import study
 
 
+def pytest_addoption(parser):
+    parser.addoption("--native-dist", type=Path, help="test the native FMUs in this folder, not freshly built ones")
+
+
 @pytest.fixture(scope="session")
 def dist(tmp_path_factory) -> Path:
     """A folder like `dist/` with the Python FMUs of this checkout."""
@@ -20,13 +24,15 @@ def dist(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def native_dist(tmp_path_factory, worker_id) -> Iterator[Path]:
+def native_dist(tmp_path_factory, worker_id, pytestconfig) -> Iterator[Path]:
     """The same with the native FMUs, compiled once for all workers; scenarios run with these too."""
     base = tmp_path_factory.getbasetemp()
-    out = (base if worker_id == "master" else base.parent) / "dist"
-    with FileLock(f"{out}.lock"):
-        for name in build_fmu.native_names():
-            build_fmu.build_native(name, out)
+    out = pytestconfig.getoption("native_dist")
+    if out is None:
+        out = (base if worker_id == "master" else base.parent) / "dist"
+        with FileLock(f"{out}.lock"):
+            for name in build_fmu.native_names():
+                build_fmu.build_native(name, out)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "DIST", out)
         yield out
