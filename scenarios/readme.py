@@ -46,7 +46,9 @@ def rows_of_comparison(summary: dict) -> list[str]:
     rows = [f"| median or RMS of {summary['seeds']} noise seeds | robust | best peer | ratio |", "|---|---|---|---|"]
     for v in summary["verdicts"]:
         own, peer, ratio = (f"{v[key]:.2g}" if v[key] else "" for key in ("robust", "peer", "ratio"))
-        rows.append(f"| {v['quantity']} | {own} {v['unit']} | {peer} {v['unit'] if peer else ''} ({v['of']}) | {ratio} |")
+        rows.append(
+            f"| {v['quantity']} | {own} {v['unit']} | {peer} {v['unit'] if peer else ''} ({v['of']}) | {ratio} |"
+        )
     return rows
 
 
