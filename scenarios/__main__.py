@@ -2,8 +2,9 @@
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -28,6 +29,7 @@ examples (from the repository's root):
   python -m scenarios show paper_drem               what is connected to what
   python -m scenarios run paper_drem                one scenario
   python -m scenarios run smib_fault my/other.toml  several, by name or by file
+  python -m scenarios run --fmu native smib_fault   with no Python in the FMUs (extra: native)
   python -m scenarios compare                       robust beside an EKF, a UKF and the paper's, on noisy frames
 
 A run builds the FMUs that are missing or stale (dist/), prints the errors and whether the scenario's expectations hold,
@@ -50,6 +52,9 @@ def main(arguments: list[str] | None = None) -> int:
     for name, text in (("run", "run scenarios"), ("show", "show what scenarios connect to what, without running them")):
         command = commands.add_parser(name, help=text, description=f"{text.capitalize()}.")
         command.add_argument("names", nargs="+", metavar="NAME", help="a scenario's name (see list), or a .toml file")
+        if name == "run":
+            about = "kind of FMU to run; Ieee39Plant has no native one and stays a Python FMU (default: %(default)s)"
+            command.add_argument("--fmu", choices=study.KINDS, default="python", help=about)
     about = "estimators beside an EKF and a UKF on the same noisy frames: accuracy, capture, cost (extra: bench)"
     command = commands.add_parser("compare", help=about, description=f"{about.capitalize()}.")
     command.add_argument(
@@ -77,17 +82,18 @@ def main(arguments: list[str] | None = None) -> int:
                 with study.prepared(one) as plan:
                     show(console, plan)
             return 0
-        held = [run(console, one) for one in scenarios]
+        say = partial(console.print, highlight=False)
+        held = [run(console, one, chosen.fmu, say) for one in scenarios]
         return 0 if all(held) else 1
     except ScenarioError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
 
 
-def run(console: Console, one: Scenario) -> bool:
+def run(console: Console, one: Scenario, kind: str, say: Callable[[str], None]) -> bool:
     console.rule(f"{one.name}: {one.title}", align="left")
     with progress_bar(console) as progress:
-        results, verdicts = study.run(one, RESULTS / one.name, progress)
+        results, verdicts = study.run(one, RESULTS / one.name, progress, kind, say)
     report.print_tables(console, results, verdicts)
     console.print(
         f"{float(one.stop):g} s in {one.index(one.stop)} steps took {results.wall_time:.1f} s of wall time; "

@@ -1,6 +1,6 @@
 """An FMI 2.0 co-simulation FMU and its instances, on FMPy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import byref
 from functools import lru_cache
 from pathlib import Path
@@ -43,7 +43,7 @@ def variable(v: Any) -> Variable:
 
 
 class FmuSlave:
-    """An instance. What it logs as an error ends the run: see `_check`."""
+    """An instance. What it logs as an error ends the run: see `_call`."""
 
     def __init__(self, fmu: Fmu, label: str):
         self.label = label
@@ -66,38 +66,37 @@ class FmuSlave:
     def set(self, values: Mapping[str, float]) -> None:
         for type_, names, references in self.groups(tuple(values)):
             convert = float if type_ == "Real" else int
-            self.accessors[type_][1](references, [convert(values[name]) for name in names])
-        self._check()
+            self._call(self.accessors[type_][1], references, [convert(values[name]) for name in names])
 
     def get(self, names: Sequence[str]) -> list[float]:
         found = {}
         for type_, group, references in self.groups(tuple(names)):
-            found.update(zip(group, self.accessors[type_][0](references), strict=True))
+            found.update(zip(group, self._call(self.accessors[type_][0], references), strict=True))
         return [float(found[name]) for name in names]
 
     def enter_initialization(self, stop: float) -> None:
-        self.slave.setupExperiment(startTime=0.0, stopTime=stop)
-        self.slave.enterInitializationMode()
+        self._call(self.slave.setupExperiment, None, 0.0, stop)
+        self._call(self.slave.enterInitializationMode)
 
     def exit_initialization(self) -> None:
-        self.slave.exitInitializationMode()
-        self._check()
+        self._call(self.slave.exitInitializationMode)
 
     def step(self, t: float, h: float) -> None:
-        try:
-            self.slave.doStep(t, h)
-        except FMICallException as error:
-            if not self.messages:
-                self.messages.append(str(error))
-        self._check()
+        self._call(self.slave.doStep, t, h)
 
     def close(self) -> None:
         self.slave.freeInstance()
 
-    def _check(self) -> None:
-        """Raises ScenarioError with what the FMU has logged, if it has."""
+    def _call(self, function: Callable, *arguments: Any) -> Any:
+        """Raises ScenarioError with what the FMU logs, if it does, or else with its status."""
+        result = None
+        try:
+            result = function(*arguments)
+        except FMICallException as error:
+            self.messages = self.messages or [str(error)]
         if self.messages:
             raise ScenarioError("\n".join(f"{self.label}: {message}" for message in self.messages))
+        return result
 
     def _groups(self, names: tuple[str, ...]) -> list[tuple[str, list[str], list[int]]]:
         """(type, names, value references): FMI gets and sets the variables of one type in one call."""

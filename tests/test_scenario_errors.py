@@ -274,9 +274,12 @@ def test_mistake_in_a_record(record, message, tmp_path):
         ('start_mode = "states"', 'start_mode = "P_m_V_t"', "x_line"),
     ],
 )
-def test_value_that_an_fmu_refuses(right, wrong, message, tmp_path):
+@pytest.mark.parametrize("kind", study.KINDS)
+@pytest.mark.usefixtures("native_dist")
+def test_value_that_an_fmu_refuses(kind, right, wrong, message, tmp_path):
     """The FMU knows its ranges: its message becomes the scenario's."""
     assert right in GOOD
-    with study.prepared(load(tmp_path, GOOD.replace(right, wrong))) as plan, pytest.raises(ScenarioError) as error:
+    scenario = load(tmp_path, GOOD.replace(right, wrong))
+    with study.prepared(scenario, kind) as plan, pytest.raises(ScenarioError) as error:
         master.run(plan)
     assert message in str(error.value)

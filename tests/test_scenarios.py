@@ -2,7 +2,10 @@
 
 import csv
 import json
+import subprocess
+import sys
 from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +13,12 @@ from fmpy import simulate_fmu
 from fmpy.util import read_csv
 from rich.console import Console
 
+import build_fmu
 from scenarios import figures, loader, master, report, study
 from scenarios.__main__ import main
+from scenarios.expectations import judge
+from scenarios.fmu import Fmu
+from scenarios.master import Results
 
 PAPER = """
 title = "The paper's case"
@@ -44,23 +51,61 @@ def watched(*variables: str) -> str:
 
 
 @pytest.mark.parametrize("name", loader.names())
+@pytest.mark.usefixtures("native_dist")
 def test_scenario_holds(name, tmp_path):
+    """With either kind of FMU, and the kinds agree."""
     scenario = loader.load(name)
-    results, verdicts = study.run(scenario, tmp_path)
-    assert verdicts
-    assert not [verdict for verdict in verdicts if not verdict.holds]
+    python, native = (with_all_outputs(scenario, kind) for kind in study.KINDS)
+    for results in (python, native):
+        verdicts = judge(results)
+        assert verdicts
+        assert not [verdict for verdict in verdicts if not verdict.holds]
+    if sys.platform == "linux":  # elsewhere the binary has another libm than Python
+        assert disagreement(python, native) <= 1e-10
+    check_reports(python, tmp_path)
 
+
+def with_all_outputs(scenario, kind: str) -> Results:
+    """A run with every output of every instance, not only what the scenario looks at."""
+    with study.prepared(scenario, kind) as plan:
+        for instance in plan.instances:
+            variables = plan.components[instance.component].variables.values()
+            instance.watched.update(v.name for v in variables if v.causality == "output")
+        return master.run(plan)
+
+
+def disagreement(python: Results, native: Results) -> float:
+    """The largest difference of any variable at any time, as a share of the variable's nominal."""
+    nominal = {
+        (name, v.name): float(v.nominal or 1.0)
+        for name, component in python.plan.components.items()
+        if isinstance(component, Fmu)
+        for v in component.description.modelVariables
+    }
+    worst = 0.0
+    for (instance, values), others in zip(python.values.items(), native.values.values(), strict=True):
+        for name in values.keys() & {name for component, name in nominal if component == instance.component}:
+            difference = np.abs(values[name] - others[name]).max()
+            worst = max(worst, difference / nominal[instance.component, name])
+    print(f"{python.plan.scenario.name}: native and Python FMU differ by {worst:.3g} of the nominal at most")
+    return worst
+
+
+def check_reports(results: Results, folder) -> None:
+    """Table, CSV, figures and summary of a run."""
+    scenario, verdicts = results.plan.scenario, judge(results)
+    study.write(results, verdicts, folder)
     tables = Console(width=100, file=StringIO(), record=True)
     report.print_tables(tables, results, verdicts)
     assert "…" not in tables.export_text()  # nothing is cut off
 
-    lines = [line for line in (tmp_path / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
+    lines = [line for line in (folder / f"{scenario.name}.csv").read_text().splitlines() if not line.startswith("#")]
     header = next(csv.reader(lines[:1]))
     assert header[0] == "time" and len(set(header)) == len(header)
     assert len(lines) == scenario.stop / scenario.step + 2  # the header, and the start
     assert all(np.isfinite(values).all() for of_one in results.values.values() for values in of_one.values())
-    assert {path.stem for path in tmp_path.glob("*.png")} == {figure.name for figure in scenario.figure}
-    assert json.loads((tmp_path / "summary.json").read_text())["holds"]
+    assert {path.stem for path in folder.glob("*.png")} == {figure.name for figure in scenario.figure}
+    assert json.loads((folder / "summary.json").read_text())["holds"]
 
 
 def test_first_frames_are_exchanged_during_initialisation(run):
@@ -224,6 +269,45 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit) as exit_:
         main(["walk"])
     assert exit_.value.code == 2
+
+
+@pytest.mark.usefixtures("native_dist")
+def test_native_fmus_run_where_there_are_any(tmp_path, monkeypatch, capsys):
+    """What has none says so, once, and runs as the Python FMU."""
+    monkeypatch.setattr("scenarios.__main__.RESULTS", tmp_path)
+    study.build_once.cache_clear()
+    (tmp_path / "grid.toml").write_text("""
+    title = "One machine of ten"
+    step = "1/60"
+    stop = 0.1
+    fmu = { plant.model = "Ieee39Plant", observer.model = "PmuObserver" }
+    connect.observer = "plant.G1.*"
+    expect = [{ variable = "observer.status", at = 0.1, above = 0.5 }]
+    """)
+    assert main(["run", "--fmu", "native", str(tmp_path / "grid.toml")]) == 0
+    said = capsys.readouterr().out
+    assert said.count("Ieee39Plant: no native FMU") == 1
+    assert "PmuObserver: equations to C" in said
+    with study.prepared(loader.load(str(tmp_path / "grid.toml")), "native") as plan:
+        fmus = {name: component for name, component in plan.components.items() if isinstance(component, Fmu)}
+    need_python = {name: fmu.description.coSimulation.needsExecutionTool for name, fmu in fmus.items()}
+    assert need_python == {"plant": True, "observer": False}
+
+
+HIDDEN = {
+    "casadi": "sys.modules['casadi'] = None",
+    "ziglang": "def version(name): raise metadata.PackageNotFoundError(name)\nmetadata.version = version",
+}
+
+
+@pytest.mark.parametrize("missing", HIDDEN)
+def test_native_fmus_without_what_builds_them(missing):
+    program = f"import sys\nfrom importlib import metadata\nfrom scenarios.__main__ import main\n{HIDDEN[missing]}\n"
+    program += "sys.exit(main(['run', '--fmu', 'native', 'paper_drem']))"
+    root = Path(build_fmu.__file__).parent
+    result = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert result.stderr == f"error: --fmu native needs {missing}: pip install '.[native]'\n"
 
 
 def test_plain_fmpy_runs_the_observer_on_the_record(dist):

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import build_fmu
 
+from .. import readme
 from . import runs
-
-BEGIN, END = "<!-- importers: begin -->\n", "<!-- importers: end -->"
 
 
 def table(folder: Path) -> str:
@@ -29,14 +28,10 @@ def main() -> None:
             build_fmu.build(name, folder)
             build_fmu.build_native(name, folder, build_fmu.say)
         text = table(folder)
-    if not arguments.readme:
+    if arguments.readme:
+        readme.write("importers", text)
+    else:
         print(text)
-        return
-    readme = build_fmu.README.read_text(encoding="utf-8")
-    head, _, rest = readme.partition(BEGIN)
-    if END not in rest:
-        raise SystemExit(f"{build_fmu.README} has no markers for the table:\n{BEGIN}{END}")
-    build_fmu.README.write_text(head + BEGIN + text + END + rest.partition(END)[2], encoding="utf-8")
 
 
 if __name__ == "__main__":

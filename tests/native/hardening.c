@@ -79,13 +79,17 @@ static void initialized(fmi2Component c) {
     if (CALL(fmi2ExitInitializationMode, c) != fmi2OK) fail("not initialized");
 }
 
-/* Step number k, with inputs that a machine could have. */
+/* Inputs that a machine could have. */
+static void set_plausible_inputs(fmi2Component c, double t) {
+    for (fmi2ValueReference i = 0; i < N_INPUTS; i++) {
+        const double value = VARIABLES[i].start + 0.5 + 0.01 * sin(6 * t + (double)i);
+        if (VARIABLES[i].type == REAL) CALL(fmi2SetReal, c, &i, 1, &value);
+    }
+}
+
 static void plausible_step(fmi2Component c, int k) {
     const double h = 1.0 / 64;
-    for (fmi2ValueReference i = 0; i < N_INPUTS; i++) {
-        const double value = VARIABLES[i].start + 0.5 + 0.01 * sin(0.1 * k + (double)i);
-        if (VARIABLES[i].type == REAL && CALL(fmi2SetReal, c, &i, 1, &value) != fmi2OK) fail("an input is not set");
-    }
+    set_plausible_inputs(c, k * h);
     if (CALL(fmi2DoStep, c, k * h, h, fmi2True) != fmi2OK) fail("a step that is not done");
 }
 
@@ -151,7 +155,8 @@ static void fuzz_step(fmi2Component c) {
     const Instance *instance = c;
     const double h = one_in(10) ? any_real() : one_in(4) ? 0.1 * any_below(1000) / 1e3 : 1.0 / 60;
     const double t = one_in(20) ? any_real() : instance->now.time;
-    if (h / MAX_STEP > 1e3 && h / MAX_STEP <= MAX_DIVISIONS) return; /* legal, and slow */
+    if (h / MAX_STEP > 1e2 && h / MAX_STEP <= MAX_DIVISIONS) return; /* legal, and slow */
+    if (!one_in(4)) set_plausible_inputs(c, t);
     if (CALL(fmi2DoStep, c, t, h, (fmi2Boolean)any_below(2)) == fmi2OK) steps++;
 }
 
@@ -203,14 +208,24 @@ static void fuzz_others(fmi2Component c) {
     }
 }
 
+static void choose_program(fmi2Component c) {
+#ifdef SELECTOR
+    const fmi2ValueReference selector = SELECTOR;
+    const fmi2Integer item = 1 + (fmi2Integer)any_below(sizeof PROGRAMS / sizeof *PROGRAMS);
+    CALL(fmi2SetInteger, c, &selector, 1, &item);
+#else
+    (void)c;
+#endif
+}
+
 static void fuzz_phase(fmi2Component c) {
-    switch (any_below(12)) {
+    switch (any_below(50)) {
     case 0: CALL(fmi2SetupExperiment, c, one_in(2), any_real(), any_real(), one_in(4), any_real()); return;
     case 1: CALL(fmi2Reset, c); return;
     case 2: CALL(fmi2Terminate, c); return;
     default: /* on with the run */
         switch (((const Instance *)c)->now.phase) {
-        case INSTANTIATED: CALL(fmi2EnterInitializationMode, c); return;
+        case INSTANTIATED: choose_program(c), CALL(fmi2EnterInitializationMode, c); return;
         case INITIALIZATION: if (CALL(fmi2ExitInitializationMode, c) != fmi2OK) CALL(fmi2Reset, c); return;
         case STEP_COMPLETE: CALL(fmi2ExitInitializationMode, c); return;
         default: CALL(fmi2Reset, c);
@@ -260,6 +275,7 @@ static void many_instances(int count) {
         CALL(fmi2FreeFMUstate, c, &state);
         fmi2FreeInstance(c);
     }
+    printf("%d instances made, stepped and freed\n", count);
 }
 
 static void *run_one(void *result) {
@@ -280,6 +296,7 @@ static void many_threads(int count) {
         pthread_join(threads[i], NULL);
         if (memcmp(alone, together[i], sizeof alone) != 0) fail("another result than alone");
     }
+    printf("%d threads with the results of one\n", count);
 }
 
 /* Allocations ------------------------------------------------------------------------------------------------------ */
@@ -308,6 +325,7 @@ static void count_allocations(int steps) {
     CALL(fmi2DoStep, c, -1, 1, fmi2True); /* refused, with a message */
     if (allocations != before) fail("an allocation in a step");
     fmi2FreeInstance(c);
+    printf("%d steps without an allocation\n", steps);
 }
 
 #endif

@@ -2,12 +2,13 @@
 
 import json
 import re
+from contextlib import contextmanager
 from math import inf
 from pathlib import Path
 from typing import Any, Dict, List
 
 import fmpy
-from casadi import SX, Function, vertcat
+from casadi import SX, Function, GlobalOptions, vertcat
 
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import symbols
@@ -70,6 +71,18 @@ def sources(model: Model, guid: str) -> Dict[str, bytes]:
     return {**generated, **{header.name: header.read_bytes() for header in HEADERS}}
 
 
+@contextmanager
+def as_written():
+    """The C rounds as the Python FMU does: CasADi would cancel and rearrange some operations on the way."""
+    before = GlobalOptions.getSimplificationOnTheFly()
+    GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        GlobalOptions.setSimplificationOnTheFly(before)
+
+
+@as_written()
 def program_functions(model: Model, program: Program) -> List[Function]:
     """The program's start and step, with the arguments that fmi2_slave.c gives them."""
     inputs, parameters, t, h = symbols_like(model.inputs), symbols_like(model.parameters), SX.sym("t"), SX.sym("h")
@@ -82,6 +95,7 @@ def program_functions(model: Model, program: Program) -> List[Function]:
     return [start, function("step", arguments, {"outputs": outputs, "next_state": next_state})]
 
 
+@as_written()
 def rule_function(model: Model) -> Function:
     """holds[i] = 1 if rule number i holds, else 0."""
     inputs, parameters = symbols_like(model.inputs), symbols_like(model.parameters)
