@@ -8,7 +8,7 @@ from fmu_src.pmu_observer.linear import Vector
 
 class State(NamedTuple):
     x: Vector
-    count: int
+    number: int
     bank: tuple
 
 
