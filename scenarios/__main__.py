@@ -46,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    commands = parser.add_subparsers(dest="command", required=True, metavar="run | list | show | readme")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     commands.add_parser("list", help="list the scenarios")
     commands.add_parser("readme", help="write what all runs in results/ have measured into README.md")
     for name, text in (("run", "run scenarios"), ("show", "show what scenarios connect to what, without running them")):

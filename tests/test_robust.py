@@ -389,3 +389,14 @@ def test_carriers_agree_on_one_step():
     nominal = 1 + abs(expected)
     np.testing.assert_array_less(abs(np.array([np.ravel(v)[0] for v in by_arrays]) - expected), 1e-12 * nominal)
     np.testing.assert_array_less(abs(np.array(by_symbols).ravel() - expected), 1e-12 * nominal)
+
+
+def test_what_is_measured_has_no_standard_deviation():
+    """From the start on: E_f_std and P_m_std are 0, to the bit."""
+    p = observer.Parameters(machine=ieee39_g6())
+    seen = [Frame(*map(float, frames.frame(*phasors))) for phasors in zip(TRUTH.V, TRUTH.I, strict=True)]
+    state, o = observer.start("robust", floats, p, observer.Inputs(seen[0], 6.5, 2.2), 0.0)
+    for k in range(120):
+        assert o.E_f_std == 0 and o.P_m_std == 0
+        assert o.e1d_std > 0 and o.e1q_std > 0
+        state, o = observer.step("robust", floats, p, state, observer.Inputs(seen[k], 6.5, 2.2), k * H, H)

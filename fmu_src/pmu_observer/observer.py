@@ -387,7 +387,7 @@ def predict(name, xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: Sta
         omega_std=deviation(rotor_sure, R.oo),
         e1d_std=deviation(sure, P.dd),
         e1q_std=deviation(sure, P.qq),
-        E_f_std=deviation(sure, P.ff),
+        E_f_std=deviation(xp.where(frame.E_f_known > 0, 0.0, sure), P.ff),
         P_m_std=deviation(rotor_sure, rotor.covariance.pp),
         innovation=estimate.innovation,
         status=xp.where(frame.held > 0, HOLDING, xp.where(estimate.capturing > 0.5, CAPTURING, TRACKING)),
