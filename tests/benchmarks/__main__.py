@@ -4,13 +4,14 @@ import argparse
 import json
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import build_fmu
 
 from .. import readme
-from .test_cycles import CASES, CYCLES
+from . import CASES, CYCLES
 
 
 def run() -> dict:
@@ -50,8 +51,8 @@ def sentences(fastest: dict[str, float], found: dict) -> list[str]:
     ]
     return [
         f"From C, the native FMU is faster than the Python FMU {', and '.join(ratios)}.",
-        f"8 native instances are {threads[2]:.2f} times as fast on 2 threads as on one, and {threads[8]:.2f} times on 8.",
-        f"`python build_fmu.py` takes {fastest[python]:.0f} s; `--native`, {fastest[native]:.0f} s (the first time, minutes).",
+        f"8 native instances are {threads[2]:.2f} times as fast on 2 threads as on one, {threads[8]:.2f} times on 8.",
+        f"`python build_fmu.py` takes {fastest[python]:.0f} s, `--native` {fastest[native]:.0f} s (at first, minutes).",
         f"PmuObserver.fmu has {size[native]:.0f} kB, as a Python FMU {size[python]:.0f} kB.",
         f"Measured on {cpu['count']} cores of an {cpu['brand_raw']}.",
     ]
@@ -61,6 +62,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--readme", action="store_true", help="write the table into README.md")
     arguments = parser.parse_args()
+    if find_spec("pytest_benchmark") is None:
+        parser.error("pytest-benchmark is not installed: pip install '.[test,bench]'")
     text = table(run())
     if arguments.readme:
         readme.write("benchmarks", text)

@@ -25,10 +25,11 @@ from fmu_src.runtime.model import Model, Program
 from fmu_src.runtime.native import build as native_fmu
 
 from ..fmu.instance import Instance
+from . import CASES, CYCLES
 
 pytest.importorskip("pytest_benchmark")
 
-CYCLES, H = 1000, 5e-5
+H = 5e-5
 CAPTURING = 1
 INPUTS = {"V_t": 1.0, "theta_t": 0.1, "I_t": 0.5, "phi_t": 0.0, "P_t": 0.4975, "Q_t": 0.0499, "P_m": 0.5, "E_f": 1.0}
 OUTPUTS = ("delta", "load_angle", "omega", "e1d", "e1q")
@@ -117,9 +118,6 @@ class Slave:
             fmu.setReal(inputs, values)
             fmu.doStep(k * H, H)
             fmu.getReal(outputs)
-
-
-CASES = [f"{kind} {what}" for kind in ("native", "python") for what in ("nothing", "drem", "robust")]
 
 
 def new(fmus: dict[str, Path], case: str) -> Slave:

@@ -3,16 +3,13 @@
 After whatever was refused the instance is as it was, to the bit, and can be reset and run to the end.
 """
 
-from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer, pointer
+from ctypes import c_double, c_uint, pointer
 from math import nan
 
 import pytest
 
+from ..fmu.call_sequence import LAST_SUCCESSFUL_TIME, H, bring_to, call_with_good_arguments, cells
 from ..fmu.instance import DISCARD, ERROR, OK, Instance
-
-PHASES = ("instantiated", "initialization", "step_complete", "step_failed", "terminated")
-
-H = 0.01
 
 # function: status in each of the PHASES; o = fmi2OK, d = fmi2Discard, E = fmi2Error
 TABLE = """
@@ -50,14 +47,7 @@ TABLE = """
     fmi2GetStringStatus               E E d d d
 """
 
-ROWS = [(line.split()[0], line.split()[1:]) for line in TABLE.strip().splitlines()]
-CELLS = [
-    pytest.param(function, phase, {"o": OK, "d": DISCARD, "E": ERROR}[letter], id=f"{function}-{phase}")
-    for function, letters in ROWS
-    for phase, letter in zip(PHASES, letters, strict=True)
-]
-
-DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED_STATUS = range(4)
+CELLS = cells(TABLE, {"o": OK, "d": DISCARD, "E": ERROR})
 
 
 @pytest.fixture(scope="module")
@@ -79,68 +69,11 @@ def plant(loaded):
     return loaded
 
 
-def bring_to(plant: Instance, phase: str) -> None:
-    """Instantiated, to one of the PHASES."""
-    if phase == "instantiated":
-        return
-    plant.slave.setupExperiment(startTime=0.0)
-    plant.slave.enterInitializationMode()
-    if phase == "initialization":
-        return
-    plant.slave.exitInitializationMode()
-    assert plant.step(0.0, H) == OK
-    if phase == "step_failed":
-        plant.set(V_inf=nan)
-        assert plant.step(H, H) == DISCARD
-    if phase == "terminated":
-        plant.slave.terminate()
-
-
 def blob(plant: Instance) -> bytes:
     state = plant.slave.getFMUState()
     serialized = plant.slave.serializeFMUState(state)
     plant.slave.freeFMUState(state)
     return serialized
-
-
-def call_with_good_arguments(plant: Instance, function: str) -> int:
-    reference = {name: (c_uint * 1)(variable.valueReference) for name, variable in plant.variables.items()}
-    real, integer, size = (c_double * 1)(1.0), (c_int * 1)(1), c_size_t()
-    state = c_void_p()
-    assert plant.call("fmi2GetFMUstate", pointer(state)) == OK
-    assert plant.call("fmi2SerializedFMUstateSize", state, pointer(size)) == OK
-    content = create_string_buffer(size.value)
-    assert plant.call("fmi2SerializeFMUstate", state, content, size.value) == OK
-    arguments = {
-        "fmi2SetDebugLogging": (1, 0, None),
-        "fmi2SetupExperiment": (0, 0.0, 0.0, 1, 1.0),
-        "fmi2GetReal": (reference["delta"], 1, real),
-        "fmi2GetInteger": (reference["start_mode"], 1, integer),
-        "fmi2GetBoolean": (None, 0, None),
-        "fmi2GetString": (None, 0, None),
-        "set_input": (reference["V_inf"], 1, real),
-        "set_fixed_parameter": (reference["H"], 1, real),
-        "fmi2SetInteger": (reference["start_mode"], 1, integer),
-        "set_output": (reference["delta"], 1, real),
-        "fmi2SetBoolean": (None, 0, None),
-        "fmi2SetString": (None, 0, None),
-        "fmi2GetFMUstate": (pointer(c_void_p()),),
-        "fmi2SetFMUstate": (state,),
-        "fmi2FreeFMUstate": (pointer(state),),
-        "fmi2SerializedFMUstateSize": (state, pointer(size)),
-        "fmi2SerializeFMUstate": (state, content, size.value),
-        "fmi2DeSerializeFMUstate": (content, size.value, pointer(c_void_p())),
-        "fmi2GetDirectionalDerivative": (reference["delta"], 1, reference["V_inf"], 1, real, real),
-        "fmi2SetRealInputDerivatives": (reference["V_inf"], 1, integer, real),
-        "fmi2GetRealOutputDerivatives": (reference["delta"], 1, integer, real),
-        "fmi2DoStep": (H, H, 1),
-        "fmi2GetStatus": (DO_STEP_STATUS, integer),
-        "fmi2GetRealStatus": (LAST_SUCCESSFUL_TIME, real),
-        "fmi2GetIntegerStatus": (DO_STEP_STATUS, integer),
-        "fmi2GetBooleanStatus": (TERMINATED_STATUS, integer),
-        "fmi2GetStringStatus": (PENDING_STATUS, pointer(c_char_p())),
-    }.get(function, ())
-    return plant.call("fmi2SetReal" if function.startswith("set_") else function, *arguments)
 
 
 @pytest.mark.parametrize(("function", "phase", "status"), CELLS)
