@@ -1,8 +1,8 @@
 """What the Python kind can signal of the call sequence; the native kind's table is in tests/native.
 
 Its wrapper returns the slave's status for doStep alone: what else is refused returns fmi2OK, and is logged as an error.
-Functions that the wrapper does not support (fmi2CancelStep, fmi2GetStatus, derivatives) are not in the table: it returns
-fmi2Error or fmi2Discard for them and logs with a NULL category, without asking the slave.
+Functions that the wrapper does not support (fmi2CancelStep, fmi2GetStatus, derivatives) are not in the table: without
+asking the slave it returns fmi2Error or fmi2Discard, and logs with a NULL category.
 """
 
 import pytest
