@@ -92,6 +92,21 @@ def test_prediction_is_that_of_a_dense_kalman_filter(seed):
     np.testing.assert_allclose(dense(predicted.P), F @ dense(v.P) @ F.T + Q, rtol=0, atol=1e-9)
 
 
+def test_direction_changes_its_error_by_what_moves_x():
+    """The covariance of the change e+ - e of arg x's error, e+ = w^T (F e_x + noise), e = v^T e_x, in a fault."""
+    v, t = a_gaussian(np.random.default_rng(1)), an_interval(tve=0.001)
+    transition = kalman.transition(floats, C, t, 1.0, 0.0)
+    after = kalman.predict(floats, transition, v, 0.0)
+    F = expm((np.array(t.before.A).reshape(2, 2) + np.array(t.after.A).reshape(2, 2)) / 2 * H)
+    n = by_nu(transition, transition.jump, v.x)
+    assert n @ n > 0  # the interval has a jump
+    Q = np.diag(transition.Q) + np.outer(n, n)
+    gradients = [np.array([-x.q, x.d]) / (x.d**2 + x.q**2) for x in (v.x, after.x)]
+    moved = F.T @ gradients[1] - gradients[0]
+    expected = moved @ dense(v.P)[:2, :2] @ moved + gradients[1] @ Q @ gradients[1]
+    assert kalman.turn_variance(transition, v, after) == pytest.approx(expected, rel=1e-6)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
     """With a noise that is in the prediction too: C = E[e_x e_y]."""
@@ -140,7 +155,9 @@ def test_motion_is_the_matrix_exponential(a0, h):
     np.testing.assert_allclose([m.t, m.w, m.E, m.v], [F[0, 1], F[0, 2], F[1, 1], F[1, 2]], rtol=2e-7, atol=1e-12)
 
 
-def test_speed_filter_is_a_dense_kalman_filter():
+@pytest.mark.parametrize("residual", [0.01, 2.0])
+def test_speed_filter_is_a_dense_kalman_filter(residual):
+    """A residual of 2 rad is beyond 5 standard deviations: P grows until it is not."""
     c = C._replace(a0=0.7)
     t = an_interval(tve=0.001)
     root = np.random.default_rng(3).normal(size=(3, 3)) * [0.01, 0.1, 0.2]
@@ -161,9 +178,11 @@ def test_speed_filter_is_a_dense_kalman_filter():
     q = predicted.covariance
     np.testing.assert_allclose([[q.dd, q.do, q.dp], [q.do, q.oo, q.op], [q.dp, q.op, q.pp]], P, rtol=1e-6, atol=1e-12)
 
-    updated = speed.update(floats, predicted, x[0] + 0.01 + 2 * pi, 1e-4)
-    K = P[:, 0] / (P[0, 0] + 1e-4)
-    np.testing.assert_allclose(updated[:3], x + K * 0.01, rtol=1e-9)
+    updated = speed.update(floats, predicted, x[0] + residual + 2 * pi, 1e-4)
+    S = max(P[0, 0] + 1e-4, residual**2 / 25)
+    P = P * (S - 1e-4) / P[0, 0]
+    K = P[:, 0] / S
+    np.testing.assert_allclose(updated[:3], x + K * residual, rtol=1e-9)
     q = updated.covariance
     P = P - np.outer(K, P[0])
     np.testing.assert_allclose([[q.dd, q.do, q.dp], [q.do, q.oo, q.op], [q.dp, q.op, q.pp]], P, rtol=1e-5, atol=1e-12)
