@@ -5,11 +5,13 @@ import shutil
 from math import prod
 from pathlib import Path
 
+from build_fmu import README
+from fmu_src.runtime import readme
+
 from . import loader
 from .errors import ScenarioError
 from .plan import sweep_text, value_text
 
-README = Path(__file__).parents[1] / "README.md"
 GALLERY = Path(__file__).parent / "gallery"
 
 FIGURES = {
@@ -27,8 +29,8 @@ def update(results: Path) -> None:
     rows = ["| scenario | of | when | expected | measured |", "|---|---|---|---|---|"]
     for name in loader.names():
         rows += rows_of(summary(results, name, f"run {name}"))
-    write("results", rows)
-    write("compare", rows_of_comparison(summary(results, "compare", "compare")))
+    readme.write(README, "results", "\n".join(rows))
+    readme.write(README, "compare", "\n".join(rows_of_comparison(summary(results, "compare", "compare"))))
     for name, figure in FIGURES.items():
         shutil.copy(results / name / f"{figure}.png", GALLERY / f"{name}.png")
 
@@ -38,13 +40,6 @@ def summary(results: Path, name: str, command: str) -> dict:
     if not path.exists():
         raise ScenarioError(f"{name} has not been run; python -m scenarios {command}")
     return json.loads(path.read_text(encoding="utf-8"))
-
-
-def write(block: str, rows: list[str]) -> None:
-    """Put the rows of a table between the README's marks of that name."""
-    begin, end = f"<!-- {block}: begin -->\n", f"<!-- {block}: end -->"
-    head, rest = README.read_text(encoding="utf-8").split(begin)
-    README.write_text(head + begin + "\n".join(rows) + "\n" + end + rest.split(end)[1], encoding="utf-8")
 
 
 def rows_of_comparison(summary: dict) -> list[str]:

@@ -1,4 +1,4 @@
-"""The README's interface tables, written from the same list of variables as the FMUs."""
+"""What is generated in the README: blocks between markers, and the interface tables among them."""
 
 import re
 from pathlib import Path
@@ -51,14 +51,19 @@ def allowed(specification) -> str:
 
 
 def update(path: Path, models: List[Model]) -> bool:
-    """Replace the tables between their markers in the file; returns whether it changed. ValueError without markers."""
-    text = before = path.read_text(encoding="utf-8")
-    for model in models:
-        begin, end = f"<!-- interface of {model.name}: begin -->\n", f"<!-- interface of {model.name}: end -->"
-        if begin not in text or end not in text:
-            raise ValueError(f"{path} has no markers for the interface of {model.name}:\n{begin}{end}")
-        head, rest = text.split(begin)
-        text = f"{head}{begin}{interface_table(model)}\n{end}{rest.split(end)[1]}"
-    if text != before:
-        path.write_text(text, encoding="utf-8")
-    return text != before
+    """Write the interface tables; returns whether the file changed. ValueError without their markers."""
+    changed = [write(path, f"interface of {model.name}", interface_table(model)) for model in models]
+    return any(changed)
+
+
+def write(path: Path, block: str, text: str) -> bool:
+    """Put a text between the file's markers of that name; returns whether it changed. ValueError without markers."""
+    begin, end = f"<!-- {block}: begin -->\n", f"<!-- {block}: end -->"
+    before = path.read_text(encoding="utf-8")
+    head, _, rest = before.partition(begin)
+    if end not in rest:
+        raise ValueError(f"{path} has no markers {begin}{end}")
+    after = f"{head}{begin}{text}\n{rest[rest.index(end) :]}"
+    if after != before:
+        path.write_text(after, encoding="utf-8")
+    return after != before

@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import build_fmu
+from fmu_src.runtime import readme
 
-from .. import readme
 from . import CASES, CYCLES
 
 
@@ -34,7 +34,7 @@ def table(found: dict) -> str:
             own, nothing = (fastest[f"test_from_{host}[{kind} {program}]"] for program in (what, "nothing"))
             cells += [f"{own / CYCLES * 1e6:.3g} us", f"{own / nothing:.3g}"]
         rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join([*rows, "", *sentences(fastest, found), ""])
+    return "\n".join([*rows, "", *sentences(fastest, found)])
 
 
 PROGRAMS = {"nothing": "nothing", "drem": "`drem`", "robust": "`robust`, its bank running"}
@@ -66,7 +66,7 @@ def main() -> None:
         parser.error("pytest-benchmark is not installed: pip install '.[test,bench]'")
     text = table(run())
     if arguments.readme:
-        readme.write("benchmarks", text)
+        readme.write(build_fmu.README, "benchmarks", text)
     else:
         print(text)
 

@@ -5,8 +5,8 @@ import tempfile
 from pathlib import Path
 
 import build_fmu
+from fmu_src.runtime import readme
 
-from .. import readme
 from . import runs
 
 
@@ -15,7 +15,7 @@ def table(folder: Path) -> str:
     for importer in runs.IMPORTERS:
         cells = [runs.verdict(importer, folder, kind) for kind in ("native", "python")]
         rows.append(f"| {importer.name} {runs.version(importer)} | {importer.host} | {' | '.join(cells)} |")
-    return "\n".join(rows) + "\n"
+    return "\n".join(rows)
 
 
 def main() -> None:
@@ -29,7 +29,7 @@ def main() -> None:
             build_fmu.build_native(name, folder, build_fmu.say)
         text = table(folder)
     if arguments.readme:
-        readme.write("importers", text)
+        readme.write(build_fmu.README, "importers", text)
     else:
         print(text)
 
