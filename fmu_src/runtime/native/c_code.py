@@ -95,7 +95,10 @@ SCALARS = ("t", "h")
 
 
 def read(name: str, f: casadi.Function) -> Tuple[List[Node], Dict[str, int]]:
-    """The nodes, equal ones once, each after its arguments; and the node of every result."""
+    """The nodes, equal ones once, each after its arguments; and the node of every result.
+
+    Of a `cond` whose condition is a constant (at the start, no frame has come yet) one side is left.
+    """
     nodes: List[Node] = []
     known: Dict[Node, int] = {}
 
@@ -106,19 +109,21 @@ def read(name: str, f: casadi.Function) -> Tuple[List[Node], Dict[str, int]]:
             nodes.append(node)
         return known[node]
 
+    zero, one = (add(casadi.OP_CONST, text=text) for text in ("0.0", "1.0"))
+
     def select(condition, then, otherwise):
         if nodes[condition].operation == casadi.OP_NOT:
             return select(nodes[condition].arguments[0], otherwise, then)
+        if condition == zero:
+            return select(one, otherwise, then)
         return add(SELECT, condition, then, otherwise)
 
-    zero = add(casadi.OP_CONST, text="0.0")
-
-    def plus(one, other):
-        if nodes[one].operation == nodes[other].operation == SELECT:
-            for (c, x, no_x), (d, no_y, y) in permutations((nodes[one].arguments, nodes[other].arguments)):
+    def plus(left, right):
+        if nodes[left].operation == nodes[right].operation == SELECT:
+            for (c, x, no_x), (d, no_y, y) in permutations((nodes[left].arguments, nodes[right].arguments)):
                 if c == d and no_x == no_y == zero:
-                    return add(SELECT, c, x, y)
-        return add(casadi.OP_ADD, one, other)
+                    return x if c == one else add(SELECT, c, x, y)
+        return add(casadi.OP_ADD, left, right)
 
     registers: Dict[int, int] = {}
     results: Dict[str, int] = {}
