@@ -39,8 +39,11 @@ PYTHON_NOTHING = f"""
 from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
 class Nothing(Fmi2Slave):
+    module_dicts = [globals()]  # as in fmu_src/runtime/python/build.py
+
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
+        self.module_dicts.append(globals())
         for causality, names in ((Fmi2Causality.input, {list(INPUTS)}), (Fmi2Causality.output, {OUTPUTS})):
             for name in names:
                 setattr(self, name, 0.0)
@@ -112,6 +115,9 @@ class Slave:
         done = function(component, *calls, inputs, sizes[0], values, outputs, sizes[1], results, h, cycles)
         assert done == cycles
 
+    def free(self, *arguments) -> None:
+        self.instance.free()
+
     def in_fmpy(self) -> None:
         fmu, inputs, outputs, values = self.instance.slave, self.inputs, self.outputs, list(INPUTS.values())
         for k in range(CYCLES):
@@ -128,13 +134,16 @@ def new(fmus: dict[str, Path], case: str) -> Slave:
 @pytest.mark.benchmark(group="1000 cycles from C")
 @pytest.mark.parametrize("case", CASES)
 def test_from_c(benchmark, fmus, cycles_in_c, case):
-    benchmark.pedantic(Slave.in_c, setup=lambda: ((new(fmus, case), cycles_in_c), {}), rounds=10)
+    def setup():
+        return (new(fmus, case), cycles_in_c), {}
+
+    benchmark.pedantic(Slave.in_c, setup=setup, teardown=Slave.free, rounds=10)
 
 
 @pytest.mark.benchmark(group="1000 cycles from FMPy")
 @pytest.mark.parametrize("case", CASES)
 def test_from_fmpy(benchmark, fmus, case):
-    benchmark.pedantic(Slave.in_fmpy, setup=lambda: ((new(fmus, case),), {}), rounds=10)
+    benchmark.pedantic(Slave.in_fmpy, setup=lambda: ((new(fmus, case),), {}), teardown=Slave.free, rounds=10)
 
 
 @pytest.mark.benchmark(group="8 instances of native robust, 10 000 cycles each")
@@ -147,7 +156,14 @@ def test_threads(benchmark, fmus, cycles_in_c, threads):
             list(pool.map(lambda slave: slave.in_c(cycles_in_c, 10 * CYCLES), slaves))
         assert all(slave.instance.get("status") == [CAPTURING] for slave in slaves)  # the bank ran to the end
 
-    benchmark.pedantic(run, setup=lambda: (([new(fmus, "native robust") for _ in range(8)],), {}), rounds=5)
+    def setup():
+        return ([new(fmus, "native robust") for _ in range(8)],), {}
+
+    def teardown(slaves):
+        for slave in slaves:
+            slave.free()
+
+    benchmark.pedantic(run, setup=setup, teardown=teardown, rounds=5)
 
 
 @pytest.mark.benchmark(group="building all FMUs, with a warm compiler cache")
