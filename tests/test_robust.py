@@ -242,9 +242,12 @@ def test_random_machines_are_captured(field_voltage):
     assert not np.any(tracking & ~right)
 
 
-def test_a_wrong_well_is_left():
-    """The state of running instances is overwritten with the mirrored (-E'd, E'q), sure of itself."""
-    when = 180
+@pytest.mark.parametrize("when", range(180, 250, 10))
+def test_a_wrong_well_is_left(when):
+    """The state of running instances is overwritten with the mirrored (-E'd, E'q), sure of itself.
+
+    At any time of the supervision: a window of 0.25 s or more, and a rest of 0.75 s.
+    """
 
     def mirror(k, state):
         if k != when:
@@ -253,7 +256,7 @@ def test_a_wrong_well_is_left():
         mirrored = tracker._replace(x=Vector(-tracker.x.d, tracker.x.q))
         return state._replace(estimator=state.estimator._replace(tracker=mirrored))
 
-    s = frames.series(part(TRUTH, slice(0, 300)), frames.noise(0.003), 40, tve=0.003, alter=mirror, mechanical_power=2)
+    s = frames.series(part(TRUTH, slice(0, when + 100)), frames.noise(0.003), 40, tve=0.003, alter=mirror, mechanical_power=2)
     assert np.all(s.e1[when + 1] > 0.3)
     assert np.all(s.e1[s.t > when * H + 1.5] < 0.05)
 

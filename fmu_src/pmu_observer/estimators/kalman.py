@@ -11,7 +11,7 @@ from typing import NamedTuple
 from .. import noise
 from ..angle import Covariance
 from ..interface import Scalar
-from ..linear import Complex, Matrix, Vector, apply, decay_mean, dot
+from ..linear import Complex, Matrix, Vector, decay_mean, dot
 from ..machine import Constants
 from ..phasors import Signals
 from ..sampling import Interval
@@ -92,7 +92,8 @@ def transition(xp, c: Constants, interval: Interval, E_f_known, gap) -> Transiti
 
 def by_nu(t: Transition, dnu: Complex, x: Vector) -> Vector:
     """What an error dnu of nu, times the time it lasts, does to x: (b2 Re, -b1 Im)(dnu conj(x3 + j x4))."""
-    return Vector(t.b.d * (dnu.re * x.d + dnu.im * x.q), t.b.q * (dnu.re * x.q - dnu.im * x.d))
+    (b_d, b_q), (re, im), (d, q) = t.b, dnu, x
+    return Vector(b_d * (re * d + im * q), b_q * (re * q - im * d))
 
 
 def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
@@ -100,27 +101,26 @@ def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
 
     n is what a jump of nu at an unknown instant does.
     """
-    F, G = t.F, t.G
-    P_dd, P_dq, P_qq, P_df, P_qf, P_ff = v.P
-    moved = apply(F, v.x)
-    x = Vector(moved.d + t.g.d + G.d * v.E_f, moved.q + t.g.q + G.q * v.E_f)
+    (F_dd, F_dq, F_qd, F_qq), (g_d, g_q), (G_d, G_q), (Q_d, Q_q), *_ = t
+    (x_d, x_q), E_f, (P_dd, P_dq, P_qq, P_df, P_qf, P_ff) = v
+    x = Vector(F_dd * x_d + F_dq * x_q + g_d + G_d * E_f, F_qd * x_d + F_qq * x_q + g_q + G_q * E_f)
     # [F G] P
-    dd = F.dd * P_dd + F.dq * P_dq + G.d * P_df
-    dq = F.dd * P_dq + F.dq * P_qq + G.d * P_qf
-    df = F.dd * P_df + F.dq * P_qf + G.d * P_ff
-    qd = F.qd * P_dd + F.qq * P_dq + G.q * P_df
-    qq = F.qd * P_dq + F.qq * P_qq + G.q * P_qf
-    qf = F.qd * P_df + F.qq * P_qf + G.q * P_ff
-    n = by_nu(t, t.jump, v.x)
+    dd = F_dd * P_dd + F_dq * P_dq + G_d * P_df
+    dq = F_dd * P_dq + F_dq * P_qq + G_d * P_qf
+    df = F_dd * P_df + F_dq * P_qf + G_d * P_ff
+    qd = F_qd * P_dd + F_qq * P_dq + G_q * P_df
+    qq = F_qd * P_dq + F_qq * P_qq + G_q * P_qf
+    qf = F_qd * P_df + F_qq * P_qf + G_q * P_ff
+    n_d, n_q = by_nu(t, t.jump, v.x)
     covariance = Covariance(
-        dd * F.dd + dq * F.dq + df * G.d + t.Q.d + n.d * n.d,
-        dd * F.qd + dq * F.qq + df * G.q + n.d * n.q,
-        qd * F.qd + qq * F.qq + qf * G.q + t.Q.q + n.q * n.q,
+        dd * F_dd + dq * F_dq + df * G_d + Q_d + n_d * n_d,
+        dd * F_qd + dq * F_qq + df * G_q + n_d * n_q,
+        qd * F_qd + qq * F_qq + qf * G_q + Q_q + n_q * n_q,
         df,
         qf,
         P_ff + walk,
     )
-    return Gaussian(x, xp.where(t.E_f_known > 0, t.E_f, v.E_f), covariance)
+    return Gaussian(x, xp.where(t.E_f_known > 0, t.E_f, E_f), covariance)
 
 
 def turn_variance(t: Transition, before: Gaussian, after: Gaussian):
@@ -151,13 +151,13 @@ def update(xp, t: Transition, v: Gaussian, circle: Circle) -> Updated:
     """
     (d, q), E_f, (dd, dq, qq, df, qf, ff) = v
     Y1, R, _ = circle
-    C = by_nu(t, t.common, v.x)
+    C_d, C_q = by_nu(t, t.common, v.x)
     # P H^T - C
-    hd = 2 * (d * dd + q * dq) - C.d
-    hq = 2 * (d * dq + q * qq) - C.q
+    hd = 2 * (d * dd + q * dq) - C_d
+    hq = 2 * (d * dq + q * qq) - C_q
     hf = 2 * (d * df + q * qf)
     r = Y1 - d * d - q * q - dd - qq
-    S = 2 * (d * (hd - C.d) + q * (hq - C.q) + dd * dd + 2 * dq * dq + qq * qq) + R
+    S = 2 * (d * (hd - C_d) + q * (hq - C_q) + dd * dd + 2 * dq * dq + qq * qq) + R
     S = xp.maximum(S, R / 10)  # x far off the circle
     normalised2 = r * r / S
     weight = 1 / (S * xp.maximum(normalised2 / 9, 1.0))  # beyond 3 standard deviations a residual counts no further

@@ -11,7 +11,7 @@ There is no gain to choose: `tve`, the assumed noise of the phasors, settles eve
 
 from collections import namedtuple
 from math import cos, pi, sin
-from typing import Any, NamedTuple
+from typing import Any, List, NamedTuple, Tuple
 
 from .. import noise
 from ..angle import Covariance, Estimate, direction_variance, rotor_angle
@@ -29,7 +29,7 @@ WALK_TRACKER, WALK_BANK = 0.1, 0.02
 FORCING, FORCING_DECAY = 20.0, 1.0
 """A jump of the network sets exciters going: WALK_TRACKER is 1 + 20 e^(-t/1 s) times as large t after it."""
 
-SUPERVISED_AGE, GREATEST_AGE, REST = 0.25, 5.0, 0.5
+SUPERVISED_AGE, GREATEST_AGE, REST = 0.25, 5.0, 0.75
 """s: the end of a supervision once captured, and in any case; the rest before the next one."""
 
 CAPTURE_SPREAD, RIVAL_DISTANCE, RIVAL_LEAD = 0.03, 0.1, 12.5
@@ -84,7 +84,7 @@ class State(NamedTuple):
 
 def start(xp, p, c, s):
     bank = fresh(xp, c, s)
-    mixed = mixture(xp, bank, [0.0] * SIZE)
+    mixed = mixture(xp, [gaussian for gaussian, _ in bank], [0.0] * SIZE)
     return State(
         tracker=mixed,
         tracking=0.0,
@@ -133,7 +133,7 @@ def step(xp, p, c, state, interval):
     walk = WALK_TRACKER * (1 + FORCING * xp.exp(-calm / FORCING_DECAY))
     predicted = kalman.predict(xp, t, state.tracker, unknown * walk * walk)
     circle = kalman.circle(c, s)
-    u = updated(xp, t, predicted, circle)
+    (u,) = updated(xp, t, [predicted], circle)
 
     before = state.supervision
     before = before._replace(tracker_score=before.tracker_score + u.log_likelihood, age=before.age + h)
@@ -168,23 +168,22 @@ def step(xp, p, c, state, interval):
     )
 
 
-def updated(xp, t, predicted: Gaussian, circle: Circle) -> Updated:
-    """With the frame, if it is one."""
+def updated(xp, t, predicted: List[Gaussian], circle: Circle) -> Tuple[Updated, ...]:
+    """Each with the frame, if it is one."""
     return xp.cond(
         circle.held > 0,
-        lambda: Updated(predicted, 0.0, 0.0),
-        lambda: kalman.update(xp, t, predicted, circle),
+        lambda: tuple(Updated(gaussian, 0.0, 0.0) for gaussian in predicted),
+        lambda: tuple(kalman.update(xp, t, gaussian, circle) for gaussian in predicted),
     )
 
 
 def supervise(xp, before: Supervision, tracker: Gaussian, tracking, circle: Circle, t, walk) -> Verdict:
     """The bank over the interval; is one well left, does the bank replace the tracker, and what does it do next?"""
-    bank, scores = [], []
-    for gaussian, score in before.bank:
-        u = updated(xp, t, kalman.predict(xp, t, gaussian, walk), circle)
-        bank.append(Hypothesis(u.gaussian, score + u.log_likelihood))
-        # (x, E_f) -> (-x, -E_f) is a solution too, and E_f > -0.5 excludes it
-        scores.append(xp.where(u.gaussian.E_f < -0.5, -1e6, score + u.log_likelihood))
+    updates = updated(xp, t, [kalman.predict(xp, t, gaussian, walk) for gaussian, _ in before.bank], circle)
+    bank = [u.gaussian for u in updates]
+    likelihoods = [score + u.log_likelihood for (_, score), u in zip(before.bank, updates)]
+    # (x, E_f) -> (-x, -E_f) is a solution too, and E_f > -0.5 excludes it
+    scores = [xp.where(gaussian.E_f < -0.5, -1e6, score) for gaussian, score in zip(bank, likelihoods)]
     best, lead = winner(xp, bank, scores)
     tracker_score = before.tracker_score - best
     alone = lead > RIVAL_LEAD
@@ -203,7 +202,7 @@ def supervise(xp, before: Supervision, tracker: Gaussian, tracking, circle: Circ
     again = xp.logical_or(takeover, xp.logical_and(tracking, before.age >= GREATEST_AGE))
     return Verdict(
         Supervision(
-            Bank(*[Hypothesis(gaussian, score - best) for gaussian, score in bank]),
+            Bank(*[Hypothesis(gaussian, score - best) for gaussian, score in zip(bank, likelihoods)]),
             tracker_score=xp.where(takeover, 0.0, tracker_score),
             age=xp.where(again, 0.0, xp.where(done, -REST, before.age)),
         ),
@@ -212,31 +211,30 @@ def supervise(xp, before: Supervision, tracker: Gaussian, tracking, circle: Circ
     )
 
 
-def winner(xp, bank, scores):
+def winner(xp, bank: List[Gaussian], scores):
     """The best score, and its lead over all hypotheses that are farther than 0.1 |x| from the best one."""
-    best, ((d, q), _, _) = scores[0], bank[0].gaussian
-    for score, (((own_d, own_q), _, _), _) in zip(scores[1:], bank[1:]):
+    best, ((d, q), _, _) = scores[0], bank[0]
+    for score, ((own_d, own_q), _, _) in zip(scores[1:], bank[1:]):
         better = score > best
         best, d, q = xp.where(better, score, best), xp.where(better, own_d, d), xp.where(better, own_q, q)
     near2 = RIVAL_DISTANCE * RIVAL_DISTANCE * (d * d + q * q)
     rival = -1e6
-    for score, (((own_d, own_q), _, _), _) in zip(scores, bank):
+    for score, ((own_d, own_q), _, _) in zip(scores, bank):
         away_d, away_q = own_d - d, own_q - q
         far = away_d * away_d + away_q * away_q > near2
         rival = xp.where(far, xp.maximum(rival, score), rival)
     return best, best - rival
 
 
-def mixture(xp, bank, scores) -> Gaussian:
+def mixture(xp, bank: List[Gaussian], scores) -> Gaussian:
     """Mean and covariance of the bank, each hypothesis with the weight e^score; the best score is 0."""
     weights = [xp.exp(xp.maximum(score, -700.0)) for score in scores]
     total = sum(weights)
-    members = [gaussian for gaussian, _ in bank]
-    mean_d = sum(w * v.x.d for w, v in zip(weights, members)) / total
-    mean_q = sum(w * v.x.q for w, v in zip(weights, members)) / total
-    mean_f = sum(w * v.E_f for w, v in zip(weights, members)) / total
+    mean_d = sum(w * v.x.d for w, v in zip(weights, bank)) / total
+    mean_q = sum(w * v.x.q for w, v in zip(weights, bank)) / total
+    mean_f = sum(w * v.E_f for w, v in zip(weights, bank)) / total
     dd = dq = qq = df = qf = ff = 0.0
-    for w, v in zip(weights, members):
+    for w, v in zip(weights, bank):
         d, q, f, P = v.x.d - mean_d, v.x.q - mean_q, v.E_f - mean_f, v.P
         dd = dd + w * (P.dd + d * d)
         dq = dq + w * (P.dq + d * q)
