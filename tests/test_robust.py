@@ -256,7 +256,9 @@ def test_a_wrong_well_is_left(when):
         mirrored = tracker._replace(x=Vector(-tracker.x.d, tracker.x.q))
         return state._replace(estimator=state.estimator._replace(tracker=mirrored))
 
-    s = frames.series(part(TRUTH, slice(0, when + 100)), frames.noise(0.003), 40, tve=0.003, alter=mirror, mechanical_power=2)
+    s = frames.series(
+        part(TRUTH, slice(0, when + 100)), frames.noise(0.003), 40, tve=0.003, alter=mirror, mechanical_power=2
+    )
     assert np.all(s.e1[when + 1] > 0.3)
     assert np.all(s.e1[s.t > when * H + 1.5] < 0.05)
 

@@ -303,17 +303,17 @@ def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
     held = span.after.measured.held > 0
     known = p.mechanical_power == MEASURED
 
-    # I&I takes a gap and the frame that ends it as one interval; the estimator's correction is no turn of the rotor
-    whole = span._replace(h=state.gap + span.h)
-    before = state.rotor._replace(delta=state.rotor.delta - state.rotor.omega * state.gap)
-    turn = unwrap(xp, estimate.delta + estimate.turn - before.delta, before.omega * whole.h)
-    calibrating = xp.logical_and(xp.logical_not(held), p.speed_observer == ADAPTIVE)
-    calibrated = xp.cond(
-        calibrating, lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, whole, turn), lambda: state.adaptive
-    )
-    a0, b0 = (state.adaptive.a0 + calibrated.a0) / 2, (state.adaptive.b0 + calibrated.b0) / 2
-
     def by_immersion_invariance():
+        # a gap and the frame that ends it are one interval; the estimator's correction is no turn of the rotor
+        whole = span._replace(h=state.gap + span.h)
+        before = state.rotor._replace(delta=state.rotor.delta - state.rotor.omega * state.gap)
+        turn = unwrap(xp, estimate.delta + estimate.turn - before.delta, before.omega * whole.h)
+        calibrated = xp.cond(
+            xp.logical_and(xp.logical_not(held), p.speed_observer == ADAPTIVE),
+            lambda: adaptive_ii.step(xp, p.adaptive, state.adaptive, whole, turn),
+            lambda: state.adaptive,
+        )
+        a0, b0 = (state.adaptive.a0 + calibrated.a0) / 2, (state.adaptive.b0 + calibrated.b0) / 2
         moved = xp.cond(
             known,
             lambda: immersion_invariance.step_known(xp, before, a0, b0, p.k_speed, whole, turn),
@@ -321,11 +321,11 @@ def swing(xp, p, c, state: State, span: Interval, estimate: Estimate):
         )
         # a held P drives no swing
         on = state.rotor._replace(delta=state.rotor.delta + state.rotor.omega * span.h)
-        return xp.cond(held, lambda: on, lambda: moved._replace(delta=estimate.delta))
+        return xp.cond(held, lambda: on, lambda: moved._replace(delta=estimate.delta)), calibrated
 
-    rotor = xp.cond(
+    rotor, calibrated = xp.cond(
         p.speed_observer == KALMAN,
-        lambda: kalman_speed.step(xp, c, state.rotor, span, estimate, known),
+        lambda: (kalman_speed.step(xp, c, state.rotor, span, estimate, known), state.adaptive),
         by_immersion_invariance,
     )
     # a speed observer that ran away starts again: beyond 1000 rad/s, or, since a full turn between two frames is none,
