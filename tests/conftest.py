@@ -5,9 +5,13 @@ from pathlib import Path
 
 import pytest
 from filelock import FileLock
+from hypothesis import settings
 
 import build_fmu
 from scenarios import study
+
+settings.register_profile("patient", parent=settings(), deadline=None)  # no failure because a machine is busy
+settings.load_profile("patient")
 
 
 def pytest_addoption(parser):

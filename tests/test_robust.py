@@ -6,7 +6,7 @@ from math import pi
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
@@ -128,7 +128,6 @@ def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
     assert updated.log_likelihood == pytest.approx(-(np.log(S) + r * r / S) / 2, rel=1e-12)
 
 
-@settings(deadline=None)
 @given(st.floats(-10, 10))
 def test_an_outlier_moves_the_estimate_by_a_bounded_amount(excess):
     """The gain P H^T/max(S, r^2/9) times r is at most 3 P H^T/sqrt(S)... and never makes P indefinite."""
@@ -146,7 +145,6 @@ def test_an_outlier_moves_the_estimate_by_a_bounded_amount(excess):
 # Speed observer ---------------------------------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(st.floats(0.0, 50.0), st.floats(1e-3, 0.2))
 def test_motion_is_the_matrix_exponential(a0, h):
     r"""Of delta' = omega, omega' = -a0 omega + f; the series below a0 h = 1e-3 is exact to 1e-7 of its h^2 (z^2/24)."""

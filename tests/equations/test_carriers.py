@@ -9,7 +9,7 @@ from math import inf, isfinite, nan, sin
 import casadi
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fmu_src.models import pmu_channel, pmu_observer, smib_plant
@@ -148,7 +148,6 @@ def observer_samples(draw, name):
 
 
 @pytest.mark.parametrize("name", MODELS["PmuObserver"].programs)
-@settings(deadline=None)
 @given(data=st.data())
 def test_observer(name, data):
     assert_agreement("PmuObserver", name, data.draw(observer_samples(name)))
@@ -178,7 +177,6 @@ def plant_samples(draw):
     return sample(), sample()
 
 
-@settings(deadline=None)
 @given(plant_samples())
 def test_plant(samples):
     assert_agreement("SmibPlant", "smib", samples)
@@ -203,7 +201,6 @@ def channel_samples(draw):
     return sample(), sample()
 
 
-@settings(deadline=None)
 @given(channel_samples())
 def test_channel(samples):
     assert_agreement("PmuChannel", "pmu_channel", samples)

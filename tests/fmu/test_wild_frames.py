@@ -43,7 +43,7 @@ def frame(rng, outputs: smib.Outputs, P_m: float, up: float) -> dict[str, float]
     wild=st.lists(wild_frame, min_size=5, max_size=30),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=12, deadline=None, derandomize=True)  # the noise may, rarely, take a machine longer
+@settings(max_examples=12, derandomize=True)  # the noise may, rarely, take a machine longer
 def test_the_observer_recovers(dist, rate, up, P_m, V_t, sources, wild, seed):
     """No step fails, no output is ever NaN, and once the frames are good again it finds back by itself."""
     h, rng = 1 / rate, np.random.default_rng(seed)
