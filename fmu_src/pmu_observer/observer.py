@@ -221,7 +221,7 @@ def read(xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State, input
         tve=xp.maximum(tve, noise.LEAST_TVE), E_f_known=xp.where(field_known, 1.0, 0.0)
     )
     s = signals(xp, c, behind_resistance(xp, measured, m.Ra))
-    return xp.logical_and(usable, is_consistent(xp, s)), s
+    return xp.logical_and(usable, is_consistent(xp, c, s)), s
 
 
 def held_over(xp, c: Constants, state: State) -> Signals:

@@ -120,11 +120,14 @@ def signals(xp, c: Constants, m: Measurement) -> Signals:
     )
 
 
-def is_consistent(xp, s: Signals):
-    """False where |E'|^2 from (V, |I|, Q) and from (V, P, Q) differ by more than half: the frame contradicts itself.
+def is_consistent(xp, c: Constants, s: Signals):
+    """False where a frame contradicts itself: |I| is not that of P and Q, or |E'|^2 of V, |I|, Q not that of V, P, Q.
 
-    False too where no machine has such an internal voltage.
+    By more than half; currents below 2 % of V/x' do not count. False too where no machine has such an internal voltage.
     """
-    from_power = s.Y2 * s.Y2 + s.Y3 * s.Y3
+    m, from_power = s.measured, s.Y2 * s.Y2 + s.Y3 * s.Y3
+    xI, xI_from_power = c.x * m.I, c.x * xp.sqrt(m.P * m.P + m.Q * m.Q) / m.V
     plausible = xp.logical_and(s.Y1 > LOWEST_Y1, s.Y1 < HIGHEST_Y1)
-    return xp.logical_and(plausible, xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1))
+    same_current = xp.abs(xI - xI_from_power) < 0.5 * xp.maximum(xI, xI_from_power) + 0.02 * m.V
+    same_voltage = xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1)
+    return xp.logical_and(plausible, xp.logical_and(same_current, same_voltage))

@@ -42,6 +42,7 @@ BAD = {
     "all zero": {"V_t": 0.0, "theta_t": 0.0, "I_t": 0.0, "phi_t": 0.0, "P_t": 0.0, "Q_t": 0.0},
     "I contradicts P and Q": {"I_t": 100.0},
     "P contradicts I": {"P_t": 50.0},
+    "P and Q left out": {"P_t": 0.0, "Q_t": 0.0},
     "V of 1e8": {"V_t": 1e8},
     "all of 1e8": {"V_t": 1e8, "I_t": 1e8, "P_t": 1e16, "Q_t": 0.0},
     "beyond any number": {"V_t": 1e300, "I_t": 1e300, "P_t": 1e300},
@@ -194,6 +195,13 @@ def test_phasors_alone():
     alone = run("gradient", P._replace(power_source=2), without, H).states[-1]
     assert tree.leaves(alone.estimate) == pytest.approx(tree.leaves(with_power.estimate), abs=1e-9)
     assert tree.leaves(alone.rotor) == pytest.approx(tree.leaves(with_power.rotor), abs=1e-9)
+
+
+def test_an_idle_machine_is_usable():
+    """No power, and a current that is only what the PMU resolves: no contradiction."""
+    idle = spoilt(INPUTS[0], I_t=1e-3, phi_t=0.0, P_t=0.0, Q_t=0.0)
+    _, o = observer.start("robust", floats, P, idle, 0.0)
+    assert o.status == CAPTURING
 
 
 def test_steps_are_pure():
