@@ -26,7 +26,7 @@ C = constants(ieee39_g6())
 H = 1 / 60
 
 
-def measured(V=1.03, theta=0.3, I=6.4, phi=0.1, **rest):  # noqa: E741
+def measured(V=1.03, theta=0.3, I=6.4, phi=0.1, **rest):  # noqa: E741 - the paper's name
     S = V * I * np.exp(1j * (theta - phi))
     return Measurement(theta, V, I, float(S.real), float(S.imag), 6.5, 2.2, **rest)
 
@@ -58,9 +58,9 @@ def by_nu(t: kalman.Transition, nu, x):
 def test_what_noise_does_to_the_signals():
     """Mean, variances and covariance of Y1 and nu over 4e5 noisy frames: to 2 %, which is 5 standard errors or more."""
     tve, rng = 0.003, np.random.default_rng(4)
-    V, I = np.full(400_000, 1.03 * np.exp(0.3j)), np.full(400_000, 6.4 * np.exp(0.1j))  # noqa: E741
+    V, I = np.full(400_000, 1.03 * np.exp(0.3j)), np.full(400_000, 6.4 * np.exp(0.1j))  # noqa: E741 - the paper's name
     clean = phasors.signals(floats, C, measured(tve=tve))
-    V, I, _ = frames.noise(tve)(0, rng, V, I)  # noqa: E741
+    V, I, _ = frames.noise(tve)(0, rng, V, I)  # noqa: E741 - the paper's name
     noisy = phasors.signals(arrays, C, phasors.measurement(arrays, frames.frame(V, I), 0.0, 0.0, False))
     dY1, dnu = noisy.Y1 - clean.Y1, noisy.nu.re - clean.nu.re + 1j * (noisy.nu.im - clean.nu.im)
     s2, R = noise.of_Y1(C, clean)
@@ -268,7 +268,7 @@ def spoil(how, during, tve=0.003):
     clean = frames.noise(tve)
     last = {}
 
-    def channel(k, rng, V, I):  # noqa: E741
+    def channel(k, rng, V, I):  # noqa: E741 - the paper's name
         received = clean(k, rng, V, I)
         if not during(k):
             last["frame"] = received
@@ -395,7 +395,7 @@ def test_carriers_agree_on_one_step():
     rng, inputs = np.random.default_rng(2), observer.Inputs()
     state, _ = observer.start("robust", floats, p, inputs, 0.0)
     for k in range(31):
-        V, I, _ = frames.noise(0.003)(k, rng, TRUTH.V[k : k + 1], TRUTH.I[k : k + 1])  # noqa: E741
+        V, I, _ = frames.noise(0.003)(k, rng, TRUTH.V[k : k + 1], TRUTH.I[k : k + 1])  # noqa: E741 - the paper's name
         inputs = observer.Inputs(Frame(*[float(v[0]) for v in frames.frame(V, I)]), 6.5, 2.2)
         if k < 30:
             state, _ = observer.step("robust", floats, p, state, inputs, k * H, H)

@@ -83,4 +83,4 @@ def learn(xp, c: Constants, e: Estimate, s: Signals) -> Estimate:
 
 
 def learnt(xp, e: Estimate):
-    return xp.exp(xp.maximum(e.log_tve2, xp.where(e.frames < FEW, AT_FIRST, e.log_tve2)) / 2)
+    return xp.exp(xp.where(e.frames < FEW, xp.maximum(e.log_tve2, AT_FIRST), e.log_tve2) / 2)

@@ -177,7 +177,7 @@ def measured(xp, p: Parameters, generator: Generator, inputs: Inputs):
         return rounded(xp, magnitude, p.magnitude_step), rounded(xp, angle, p.angle_step)
 
     V, theta = phasor(true.V_t, true.theta_t, p.V_magnitude_bias, p.V_angle_bias, noise(xp, p, *u[0:3]), in_V)
-    I, phi = phasor(true.I_t, true.phi_t, p.I_magnitude_bias, p.I_angle_bias, noise(xp, p, *u[3:6]), in_I)  # noqa: E741
+    I, phi = phasor(true.I_t, true.phi_t, p.I_magnitude_bias, p.I_angle_bias, noise(xp, p, *u[3:6]), in_I)  # noqa: E741 - the paper's name
     valid = xp.where(xp.logical_and(finite, u[6] >= p.dropout), 1.0, 0.0)
     return generator, Packet(V, theta, I, phi, true.P_m, true.E_f, valid)
 
@@ -219,6 +219,6 @@ def sent(xp, p: Parameters, state: State, packet: Packet) -> State:
 
 
 def outputs(xp, state: State) -> Outputs:
-    V, theta, I, phi, P_m, E_f, valid = state.shown  # noqa: E741
+    V, theta, I, phi, P_m, E_f, valid = state.shown  # noqa: E741 - the paper's name
     S, lag = V * I, theta - phi
     return Outputs(Frame(V, theta, I, phi, S * xp.cos(lag), S * xp.sin(lag)), P_m, E_f, valid)

@@ -87,7 +87,7 @@ class Seen(NamedTuple):
 
     t: float
     V: complex
-    I: complex  # noqa: E741
+    I: complex  # noqa: E741 - the paper's name
     P: float
     Q: float
     P_m: float
@@ -100,7 +100,7 @@ def seen(case: Case, t: float, x) -> Seen:
     delta, _, e1d, e1q = x
     W = np.exp(1j * delta) * (e1d + 1j * e1q)
     E = -1j * W
-    I = (E - case.V_inf) / (1j * (case.machine.x1 + case.x_line))  # noqa: E741
+    I = (E - case.V_inf) / (1j * (case.machine.x1 + case.x_line))  # noqa: E741 - the paper's name
     V = E - 1j * case.machine.x1 * I
     S = V * np.conj(I)
     return Seen(t, V, I, S.real, S.imag, case.P_m(t), case.E_f(t), W, V / E)

@@ -36,7 +36,7 @@ def parameters(random) -> observer.Parameters:
     return p
 
 
-def frame(random, V, I) -> Frame:  # noqa: E741
+def frame(random, V, I) -> Frame:  # noqa: E741 - the paper's name
     theta, lag = random.uniform(-10, 10), random.uniform(-3, 3)
     return Frame(V, theta, I, theta - lag, V * I * np.cos(lag), V * I * np.sin(lag))
 

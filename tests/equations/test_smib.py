@@ -144,7 +144,7 @@ def test_every_frame_is_that_of_the_network(variant):
     for k, o in enumerate(shown):
         t, f = k * h, o.frame
         faulted = p.t_fault <= t < p.t_clear
-        V, I = f.V_t * np.exp(1j * f.theta_t), f.I_t * np.exp(1j * f.phi_t)  # noqa: E741
+        V, I = f.V_t * np.exp(1j * f.theta_t), f.I_t * np.exp(1j * f.phi_t)  # noqa: E741 - the paper's name
         infinite, X = network(p, inputs, t, faulted)
         Id, Iq = currents(p, inputs, t, [o.delta, o.omega, o.e1d, o.e1q], faulted)
         # algebra on currents of up to 20 pu

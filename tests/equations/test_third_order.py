@@ -20,7 +20,7 @@ def currents(delta, e1q):
 def rates(t, state):
     """The 3rd-order model in textbook form; the driving power makes the machine slip a pole."""
     delta, omega, e1q = state
-    I = currents(delta, e1q)  # noqa: E741
+    I = currents(delta, e1q)  # noqa: E741 - the paper's name
     Id = -(I * np.exp(-1j * (delta - np.pi / 2))).imag
     return [omega, omega_s / (2 * H) * (20.0 - (V * np.conj(I)).real), (1.2 - e1q - (xd - x) * Id) / Td10]
 
@@ -38,7 +38,7 @@ def test_the_trajectory_goes_round(trajectory):
 
 def test_load_angle_and_voltage_from_one_frame(trajectory):
     for delta, _, e1q in trajectory.y.T:
-        I = currents(delta, e1q)  # noqa: E741
+        I = currents(delta, e1q)  # noqa: E741 - the paper's name
         S = V * np.conj(I)
         found = observe(floats, V, S.real, S.imag, abs(I), x)
         # algebraic, so exact but for the rounding of numbers of up to V^2/x' = 16

@@ -28,7 +28,7 @@ def frame(rng, outputs: smib.Outputs, P_m: float, up: float) -> dict[str, float]
     """What a PMU reports, with the currents and powers in pu of the system's base."""
     f, (a, b, c, d) = outputs.frame, rng.normal(0, TVE / np.sqrt(2), 4)
     V = f.V_t * np.exp(1j * f.theta_t) * (1 + a + 1j * b)
-    I = up * f.I_t * np.exp(1j * f.phi_t) * (1 + c + 1j * d)  # noqa: E741
+    I = up * f.I_t * np.exp(1j * f.phi_t) * (1 + c + 1j * d)  # noqa: E741 - the paper's name
     S = V * np.conj(I)
     values = map(float, (abs(V), np.angle(V), abs(I), np.angle(I), S.real, S.imag))
     return {**dict(zip(FRAME, values, strict=True)), "P_m": up * P_m, "E_f": outputs.E_f_start}
