@@ -1,10 +1,14 @@
-"""Messages about a scenario."""
+"""Messages for a user."""
 
 from collections.abc import Collection
 from difflib import get_close_matches
 
 
-class ScenarioError(Exception):
+class UserError(Exception):
+    """What is wrong with what a user gave, and what to do about it: one line, exit code 2, no traceback."""
+
+
+class ScenarioError(UserError):
     """What is wrong with a scenario, and what to do about it."""
 
 

@@ -20,6 +20,7 @@ from .scenario import Scenario
 from .wiring import wire
 
 DIST = build_fmu.OUT
+RESULTS = Path("results")
 
 KINDS = ("python", "native")
 

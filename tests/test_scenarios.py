@@ -254,7 +254,7 @@ def test_times_do_not_drift():
 
 
 def test_exit_codes(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("scenarios.__main__.RESULTS", tmp_path)
+    monkeypatch.setattr(study, "RESULTS", tmp_path)
     path = tmp_path / "test.toml"
     expect = 'error.e1d = "observer.e1d - plant.e1d"\nexpect = [{ error = "e1d", at = 1.0, LIMIT = 10.0 }]\n'
     for limit, code in (("below", 0), ("above", 1), ("under", 2)):
@@ -274,7 +274,7 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
 @pytest.mark.usefixtures("native_dist")
 def test_native_fmus_run_where_there_are_any(tmp_path, monkeypatch, capsys):
     """What has none says so, once, and runs as the Python FMU."""
-    monkeypatch.setattr("scenarios.__main__.RESULTS", tmp_path)
+    monkeypatch.setattr(study, "RESULTS", tmp_path)
     study.build_once.cache_clear()
     (tmp_path / "grid.toml").write_text("""
     title = "One machine of ten"
