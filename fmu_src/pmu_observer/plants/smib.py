@@ -16,6 +16,7 @@ from typing import Annotated, List, NamedTuple
 from ..interface import INLINE, Enumeration, Real, Rule, Scalar
 from ..machine import TwoAxisMachine, constants, reactance_rules
 from ..phasors import Frame
+from . import runge_kutta
 
 STATES, P_M_E_F, P_M_V_T = 1, 2, 3
 
@@ -122,23 +123,13 @@ def turned(rotor: Rotor, angle) -> Rotor:
 
 
 def integrate(xp, p, grid: Grid, inputs: Inputs, state: State, h) -> State:
-    """Runge-Kutta of order 4; an empty interval changes nothing."""
+    """An empty interval changes nothing."""
 
-    def slope(rotor):
-        return derivative(xp, p, grid, inputs, rotor)
+    def moved():
+        rotor = runge_kutta.step(lambda rotor: derivative(xp, p, grid, inputs, rotor), state.rotor, h)
+        return state._replace(rotor=rotor, grid=state.grid + h * grid.omega)
 
-    def moved(k, duration):
-        return Rotor(*[x + duration * dx for x, dx in zip(state.rotor, k)])
-
-    def moved_by_mean():
-        k1 = slope(state.rotor)
-        k2 = slope(moved(k1, h / 2))
-        k3 = slope(moved(k2, h / 2))
-        k4 = slope(moved(k3, h))
-        mean = Rotor(*[(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4)])
-        return state._replace(rotor=moved(mean, h), grid=state.grid + h * grid.omega)
-
-    return xp.cond(h > 0, moved_by_mean, lambda: state)
+    return xp.cond(h > 0, moved, lambda: state)
 
 
 def derivative(xp, p: Parameters, grid: Grid, inputs: Inputs, rotor: Rotor) -> Rotor:

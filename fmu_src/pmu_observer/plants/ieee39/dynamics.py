@@ -19,6 +19,7 @@ from typing import NamedTuple, Tuple
 import numpy as np
 
 from ...interface import Scalar
+from .. import runge_kutta
 from . import network, tables
 from .network import Reduction
 from .tables import Machines
@@ -130,13 +131,9 @@ def derivative(system: System, grid: Reduction, x: np.ndarray) -> np.ndarray:
     return dx
 
 
-def runge_kutta(system: System, grid: Reduction, x: np.ndarray, h: float) -> np.ndarray:
-    """One step of order 4; E_f ends within its limits."""
-    k1 = derivative(system, grid, x)
-    k2 = derivative(system, grid, x + h / 2 * k1)
-    k3 = derivative(system, grid, x + h / 2 * k2)
-    k4 = derivative(system, grid, x + h * k3)
-    x = x + h / 6 * (k1 + 2 * (k2 + k3) + k4)
+def advanced(system: System, grid: Reduction, x: np.ndarray, h: float) -> np.ndarray:
+    """The states after h; E_f ends within its limits."""
+    x = runge_kutta.step(lambda x: derivative(system, grid, x), x, h)
     x[E_F] = limited(x[E_F], system.machines)
     return x
 

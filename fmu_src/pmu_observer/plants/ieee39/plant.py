@@ -10,7 +10,7 @@ Runs on numpy: the carrier `xp` is not used.
 
 from collections import namedtuple
 from functools import lru_cache
-from math import ceil, exp, pi, sqrt
+from math import ceil, pi
 from typing import Annotated, Any, List, NamedTuple, Tuple
 
 import numpy as np
@@ -18,8 +18,9 @@ import numpy as np
 from ... import tree
 from ...interface import INLINE, Boolean, Integer, Real, Rule, Scalar
 from ...phasors import Frame
+from .. import ornstein_uhlenbeck
 from . import network
-from .dynamics import OMEGA_S, States, System, equilibrium, load_admittances, runge_kutta, terminals
+from .dynamics import OMEGA_S, States, System, advanced, equilibrium, load_admittances, terminals
 
 GENERATORS = [f"G{k}" for k in range(1, 11)]
 LOADS = np.flatnonzero(network.power_flow().S_load)
@@ -131,15 +132,14 @@ def packed(t_start, tick, n: np.ndarray, x: np.ndarray) -> Any:
 def integrate(system: System, grid: network.Reduction, x: np.ndarray, duration) -> np.ndarray:
     sub_steps = max(1, ceil(duration / (SUB_STEP_SALIENT if system.salient else SUB_STEP) - 1e-6))
     for _ in range(sub_steps):
-        x = runge_kutta(system, grid, x, duration / sub_steps)
+        x = advanced(system, grid, x, duration / sub_steps)
     return x
 
 
 def varied(p: Parameters, n: np.ndarray, tick) -> np.ndarray:
-    """The loads' deviations one tick later: n+ = a n + sigma sqrt(1 - a^2) w, a = e^(-TICK/tau), w normal."""
-    a = exp(-TICK / p.load_tau)
+    """The loads' deviations one tick later."""
     w = np.random.default_rng((int(p.seed), int(tick))).standard_normal(len(n))
-    return a * n + p.load_sigma * sqrt(1 - a * a) * w
+    return ornstein_uhlenbeck.step(n, TICK, p.load_tau, p.load_sigma, w)
 
 
 def grid_at(p: Parameters, n: np.ndarray, now) -> network.Reduction:
