@@ -210,12 +210,12 @@ def frame_type(frame: bytes) -> int:
     return frame[1] >> 4 & 7
 
 
-def size_announced(start: bytes) -> int:
+def size_announced(start: bytes | bytearray) -> int:
     """FRAMESIZE of a frame that starts so (4 bytes)."""
     return start[2] << 8 | start[3]
 
 
-def is_start(start: bytes) -> bool:
+def is_start(start: bytes | bytearray) -> bool:
     """Can a frame start with these bytes (4 of them): SYNC with a known type and edition, and a size?"""
     return start[0] == 0xAA and start[1] in SECOND_BYTES and size_announced(start) >= SMALLEST
 
@@ -526,9 +526,9 @@ def encode_data(data: Data, layout: Layout) -> bytes:
     return frame[:-2] + crc_hqx(frame[:-2], 0xFFFF).to_bytes(2)
 
 
-def raw(s: Station, m: Measurement, third: bool) -> list:
+def raw(s: Station, m: Measurement, third: bool) -> list[float]:
     """The values of one station as they lie in the frame."""
-    values = [m.stat]
+    values: list[float] = [m.stat]
     for phasor, value in zip(s.phasors, m.phasors, strict=True):
         values += from_complex(s, phasor, value, third)
     if s.frequency_float:

@@ -32,8 +32,8 @@ def station(name: str, idcode: int, third: bool, polar=False, phasors=True, freq
             Phasor("I1", True, 0.05 if scaled or not third else 1.0),
         ),
         (
-            Analog("P", 0 if third else 1, 2.0 if third else 7.0, 3.0 if third else 0.0),
-            Analog("Q", 0 if third else 2, -1.0),
+            Analog("P", 0, 2.0, 3.0) if third and not analogs else Analog("P", 0 if third else 1),
+            Analog("Q", 0, -1.0) if third and not analogs else Analog("Q", 0 if third else 2, 1.0 if third else -7.0),
         ),
         (Digital(NAMES, 0x0003, 0x00FF),),
         polar=polar,
