@@ -9,7 +9,8 @@ from rich.console import Console
 from scipy.integrate import solve_ivp
 
 from fmu_src.pmu_observer.carriers import floats
-from fmu_src.pmu_observer.machine import constants, ieee39_g6
+from fmu_src.pmu_observer.machines.data import ieee39_g6
+from fmu_src.pmu_observer.machines.two_axis import constants
 from scenarios.compare import batch, comparison, filterpy_filters, model, report, runs, tuning
 from scenarios.studies import frames
 

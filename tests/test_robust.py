@@ -15,7 +15,8 @@ from fmu_src.pmu_observer.angle import Covariance
 from fmu_src.pmu_observer.carriers import arrays, floats, symbols
 from fmu_src.pmu_observer.estimators import kalman
 from fmu_src.pmu_observer.linear import Vector
-from fmu_src.pmu_observer.machine import constants, ieee39_g6
+from fmu_src.pmu_observer.machines.data import ieee39_g6
+from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.phasors import Frame, Measurement
 from fmu_src.pmu_observer.plants import smib
 from fmu_src.pmu_observer.speed import Rotor, RotorCovariance

@@ -3,7 +3,7 @@
 from . import noise
 from .angle import Estimate
 from .linear import propagate
-from .machine import Constants
+from .machines.two_axis import Constants
 from .phasors import LOWEST_VOLTAGE, Frame, is_finite
 from .sampling import Interval
 from .speed import Rotor

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from .interface import Scalar
 from .linear import Complex
-from .machine import Constants
+from .machines.two_axis import Constants
 from .phasors import Signals
 
 

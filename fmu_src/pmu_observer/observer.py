@@ -14,7 +14,8 @@ from .angle import Estimate, direction_variance, unwrap
 from .estimators import ESTIMATORS, kalman
 from .interface import INLINE, Boolean, Enumeration, Integer, Real, Rule, Scalar
 from .linear import Vector, propagation
-from .machine import Constants, TwoAxisMachine, constants, on_system_base, reactance_rules
+from .machines.data import Machine, on_system_base, reactance_rules
+from .machines.two_axis import Constants, constants
 from .phasors import Frame, Measurement, Signals, behind_resistance, is_consistent, is_finite, measurement, signals
 from .sampling import Change, Interval, change, interval
 from .speed import Rotor, immersion_invariance
@@ -47,7 +48,7 @@ def of_each_estimator(kind):
 
 
 class Parameters(NamedTuple):
-    machine: Annotated[TwoAxisMachine, INLINE] = TwoAxisMachine()
+    machine: Annotated[Machine, INLINE] = Machine()
     S_base: Annotated[Scalar, Real("MVA", "base of the frames and of P_m", min=1e-6, max=1e6, nominal=100.0)] = 100.0
     S_n: Annotated[Scalar, Real("MVA", "base of the machine's parameters", min=1e-6, max=1e6, nominal=100.0)] = 100.0
     estimator: Annotated[Scalar, Enumeration("Estimator", "estimator of E'd and E'q", tuple(ESTIMATORS))] = ROBUST
@@ -146,7 +147,7 @@ class State(NamedTuple):
     noise: noise.Estimate
 
 
-def system_base(p: Parameters) -> TwoAxisMachine:
+def system_base(p: Parameters) -> Machine:
     return on_system_base(p.machine, p.S_n, p.S_base)
 
 
@@ -208,7 +209,7 @@ def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h):
     return state, predict(name, xp, p, m, c, state)
 
 
-def read(xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State, inputs: Inputs):
+def read(xp, p: Parameters, m: Machine, c: Constants, state: State, inputs: Inputs):
     """Is the frame usable, and its signals: any that can be calculated with, if it is not."""
     field_known, power_known = p.field_voltage == MEASURED, p.mechanical_power == MEASURED
     P_m = xp.where(power_known, inputs.P_m, state.rotor.P_m)
@@ -346,7 +347,7 @@ def rotor_at_start(xp, p, c, s: Signals, estimate: Estimate) -> Rotor:
     )
 
 
-def predict(name, xp, p: Parameters, m: TwoAxisMachine, c: Constants, state: State) -> Outputs:
+def predict(name, xp, p: Parameters, m: Machine, c: Constants, state: State) -> Outputs:
     """The outputs `elapsed` after the last frame, with its measurement and its load angle held.
 
     omega' = -a0 omega + b0 (Pm - P) and delta' = omega go on; while frames are held over, omega is constant. What

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 from .interface import Real, Scalar
 from .linear import Complex, Matrix
-from .machine import Constants
+from .machines.two_axis import Constants
 
 LOWEST_VOLTAGE = 1e-3
 """pu; a frame below it carries no usable angle."""

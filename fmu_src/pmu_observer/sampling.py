@@ -5,7 +5,7 @@ from typing import NamedTuple
 from . import noise
 from .interface import Scalar
 from .linear import Complex, Propagation, propagation
-from .machine import Constants
+from .machines.two_axis import Constants
 from .phasors import Signals
 
 

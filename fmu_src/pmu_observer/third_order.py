@@ -9,7 +9,7 @@ on the q axis and one frame is enough for (x1, x3); the frame of Proposition 1 i
 from typing import Annotated, NamedTuple
 
 from .interface import Real, Scalar
-from .machine import TwoAxisMachine
+from .machines.data import Machine
 
 
 class AlgebraicEstimate(NamedTuple):
@@ -17,7 +17,7 @@ class AlgebraicEstimate(NamedTuple):
     e1q: Annotated[Scalar, Real("pu", "E'q")]
 
 
-def flux_decay(machine: TwoAxisMachine) -> TwoAxisMachine:
+def flux_decay(machine: Machine) -> Machine:
     """The machine without its q-axis winding: the 3rd-order model with the same d axis."""
     return machine._replace(xq=machine.xd1, xq1=machine.xd1)
 

@@ -5,7 +5,7 @@ FilterPy's equations, which a test holds them to; FilterPy itself takes half a m
 
 import numpy as np
 
-from fmu_src.pmu_observer.machine import Constants
+from fmu_src.pmu_observer.machines.two_axis import Constants
 
 from . import model
 from .model import ALPHA, BETA, KAPPA, Inputs

@@ -8,9 +8,11 @@ from time import process_time
 
 import numpy as np
 
-from fmu_src.pmu_observer import machine, observer
+from fmu_src.pmu_observer import observer
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.estimators import ESTIMATORS
+from fmu_src.pmu_observer.machines.data import Machine
+from fmu_src.pmu_observer.machines.two_axis import constants
 
 from .. import study
 from ..fmu import Fmu
@@ -53,9 +55,7 @@ def measure() -> dict[str, float]:
     return {**fastest, f"robust, numpy, a machine of {MACHINES}": on_arrays()}
 
 
-def bare(
-    name: str, m: machine.TwoAxisMachine, inputs: list[observer.Inputs], counts: Callable = lambda state: True
-) -> float:
+def bare(name: str, m: Machine, inputs: list[observer.Inputs], counts: Callable = lambda state: True) -> float:
     """The mean over the steps whose state `counts`."""
     p = observer.Parameters(machine=m, tve=TVE)
     state, _ = observer.start(name, floats, p, inputs[0], 0.0)
@@ -72,7 +72,7 @@ def rests(state: observer.State) -> bool:
     return state.estimator.supervision.age + PERIOD <= 0
 
 
-def through_fmu(path: Path, m: machine.TwoAxisMachine, inputs: list[observer.Inputs]) -> float:
+def through_fmu(path: Path, m: Machine, inputs: list[observer.Inputs]) -> float:
     """With FMPy as the host: set the frame, step, get the estimate."""
     rows: list[dict[str, float]] = [{**frame.frame._asdict(), "P_m": frame.P_m, "E_f": frame.E_f} for frame in inputs]
     with TemporaryDirectory() as folder:
@@ -92,7 +92,7 @@ def through_fmu(path: Path, m: machine.TwoAxisMachine, inputs: list[observer.Inp
 
 
 def on_filterpy(peer, noisy: runs.Frames) -> float:
-    truth, c = noisy.truth, machine.constants(noisy.truth.machine)
+    truth, c = noisy.truth, constants(noisy.truth.machine)
     V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
     z, size2 = model.measured(c, V, I)
     Q = runs.process_noise(tuning.GRID[0], TVE)

@@ -4,7 +4,7 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter, MerweScaledSigmaPoints, UnscentedKalmanFilter
 
 from fmu_src.pmu_observer.carriers import floats
-from fmu_src.pmu_observer.machine import Constants
+from fmu_src.pmu_observer.machines.two_axis import Constants
 
 from . import model
 from .model import ALPHA, BETA, KAPPA, Inputs

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fmu_src.pmu_observer.interface import Scalar
-from fmu_src.pmu_observer.machine import Constants
+from fmu_src.pmu_observer.machines.two_axis import Constants
 
 ALPHA, BETA, KAPPA = 1.0, 2.0, 0.0
 """Of the UKF's sigma points (Merwe); with alpha = 1 they lie 2 standard deviations out."""

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmu_src.pmu_observer import machine, observer
+from fmu_src.pmu_observer import observer
 from fmu_src.pmu_observer.angle import unwrap
 from fmu_src.pmu_observer.carriers import arrays
+from fmu_src.pmu_observer.machines.two_axis import constants
 
 from ..studies import frames
 from ..studies.frames import PERIOD, Truth
@@ -75,7 +76,7 @@ def run_peer(step: Callable, noisy: Frames, x, P, q, progress: Callable[[], None
     For the EKF the machine may be one of arrays that broadcast with (..., TVEs, seeds).
     """
     truth, h = noisy.truth, PERIOD
-    c = machine.constants(truth.machine)
+    c = constants(truth.machine)
     Q = process_noise(q, noisy.tve)
     shape = np.broadcast_shapes(x.shape[:-1], P.shape[:-2], Q.shape[:-2])
     x = np.broadcast_to(x, (*shape, 4))

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmu_src.pmu_observer import machine, observer, tree
+from fmu_src.pmu_observer import observer, tree
 from fmu_src.pmu_observer.carriers import arrays
+from fmu_src.pmu_observer.machines.data import Machine, ieee39_g6
 from fmu_src.pmu_observer.phasors import Frame
 
 DATA = Path(__file__).parent.parent / "data"
@@ -19,7 +20,7 @@ PERIOD = 1 / 60
 class Truth(NamedTuple):
     """A machine's frames without noise and its states, one row a frame; further axes are machines."""
 
-    machine: machine.TwoAxisMachine
+    machine: Machine
     V: np.ndarray  # pu, complex
     I: np.ndarray  # noqa: E741 - pu, complex
     P_m: np.ndarray  # pu
@@ -124,7 +125,7 @@ def record(name: str) -> Truth:
     """A record of generator 6 in `scenarios/data`."""
     lines = [line for line in (DATA / name).read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     columns = dict(zip(lines[0].split(","), np.loadtxt(lines[1:], delimiter=",").T, strict=True))
-    g6 = machine.ieee39_g6()
+    g6 = ieee39_g6()
     return Truth(
         machine=g6,
         V=columns["V_t"] * np.exp(1j * columns["theta_t"]),

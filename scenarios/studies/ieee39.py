@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fmu_src.pmu_observer import tree
-from fmu_src.pmu_observer.machine import TwoAxisMachine
+from fmu_src.pmu_observer.machines.data import Machine
 from fmu_src.pmu_observer.plants.ieee39 import plant, tables
 
 from . import frames
@@ -28,7 +28,7 @@ def truth(duration: float, **parameters) -> frames.Truth:
     g = dict(zip(names, columns, strict=True))
     m = tables.machines(p.salient)
     return frames.Truth(
-        machine=TwoAxisMachine(m.H, 0.0, m.xd, m.xd1, m.xq, m.xq1, m.Td10, m.Tq10, 0.0, 2 * pi * 60),
+        machine=Machine(m.H, 0.0, m.xd, m.xd1, m.xq, m.xq1, m.Td10, m.Tq10, 0.0, 2 * pi * 60),
         V=g["frame.V_t"] * np.exp(1j * g["frame.theta_t"]),
         I=g["frame.I_t"] * np.exp(1j * g["frame.phi_t"]),
         **{name: g[name] for name in ("P_m", "E_f", "delta", "omega", "e1d", "e1q")},

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fmu_src.pmu_observer.carriers import arrays
-from fmu_src.pmu_observer.machine import TwoAxisMachine, ieee39_g6
+from fmu_src.pmu_observer.machines.data import Machine, ieee39_g6
 from fmu_src.pmu_observer.plants import smib
 
 from .frames import PERIOD, Truth
@@ -62,7 +62,7 @@ def random_machines(count: int, rng: np.random.Generator) -> Machines:
     V, I, x = draw["V_t [pu]"] + 0j, current(draw), draw["x' [pu]"]  # noqa: E741
     xd = x + draw["xd - x' [pu]"]
     xq = np.maximum(draw["xq/xd"] * xd, x)
-    m = TwoAxisMachine(
+    m = Machine(
         H=draw["H [s]"],
         D=draw["D [pu/pu]"] / (2 * pi * 60),
         xd=xd,

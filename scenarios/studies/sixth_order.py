@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmu_src.pmu_observer.machine import ieee39_g6
+from fmu_src.pmu_observer.machines.data import ieee39_g6
 
 from .frames import PERIOD, Truth
 

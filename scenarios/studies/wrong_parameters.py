@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fmu_src.pmu_observer import tree
-from fmu_src.pmu_observer.machine import TwoAxisMachine
+from fmu_src.pmu_observer.machines.data import Machine
 
 from ..compare import batch, runs, tuning
 from . import frames
@@ -24,11 +24,11 @@ STEADY_FROM = 5.0
 
 class Case(NamedTuple):
     name: str
-    machine: TwoAxisMachine
+    machine: Machine
     tve: float
 
 
-def cases(m: TwoAxisMachine, tve: float) -> list[Case]:
+def cases(m: Machine, tve: float) -> list[Case]:
     found = [Case("all right", m, tve), Case("tve / 3", m, tve / 3), Case("tve x 3", m, tve * 3)]
     for names in (("xd",), ("xq",), ("Td10",), ("Tq10",), ("xd1", "xq1")):
         for factor in (0.9, 1.1):

@@ -7,15 +7,15 @@ import numpy as np
 from fmu_src.pmu_observer import observer
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.estimators import ESTIMATORS
-from fmu_src.pmu_observer.machine import TwoAxisMachine
+from fmu_src.pmu_observer.machines.data import Machine
 from fmu_src.pmu_observer.phasors import Frame
 
 from . import reference
 from .reference import Case, Seen
 
 
-def machine_of(m: reference.Machine) -> TwoAxisMachine:
-    return TwoAxisMachine(m.H, m.D, m.xd, m.x1, m.xq, m.x1, m.Td, m.Tq, 0.0, m.w0)
+def machine_of(m: reference.Machine) -> Machine:
+    return Machine(m.H, m.D, m.xd, m.x1, m.xq, m.x1, m.Td, m.Tq, 0.0, m.w0)
 
 
 def parameters_of(m: reference.Machine, estimator: str = "drem", **gains) -> observer.Parameters:

@@ -7,7 +7,7 @@ from fmu_src.pmu_observer.angle import rotor_angle
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.estimators import drem, overparameterised
 from fmu_src.pmu_observer.linear import Vector
-from fmu_src.pmu_observer.machine import constants
+from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.phasors import measurement, signals
 
 from . import reference

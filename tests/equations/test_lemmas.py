@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from fmu_src.pmu_observer import gpebo
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.linear import Matrix, Vector, apply
-from fmu_src.pmu_observer.machine import constants
+from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.phasors import measurement, signals
 
 from . import reference

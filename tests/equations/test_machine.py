@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fmu_src.pmu_observer.machine import TwoAxisMachine, constants, ieee39_g6, paper_smib
+from fmu_src.pmu_observer.machines.data import Machine, ieee39_g6, paper_smib
+from fmu_src.pmu_observer.machines.two_axis import constants
 
 # b0 = 314.16/47.28, a0 = 2 b0, a1 = .146/(.0608*8.96), b1 = .0852/(.0608*8.96), c1 = 1/8.96,
 # a2 = .146/(.0608*.31), b2 = .0852/(.0608*.31)
@@ -38,7 +39,7 @@ def test_constants_of_the_presets(machine, by_hand):
 
 
 def test_the_default_machine_is_the_papers():
-    assert TwoAxisMachine() == paper_smib()
+    assert Machine() == paper_smib()
 
 
 positive = st.floats(0.05, 10.0)
@@ -47,7 +48,7 @@ positive = st.floats(0.05, 10.0)
 @given(positive, positive, positive, positive, positive, positive, st.floats(-2, 2), st.floats(-2, 2), st.floats(-3, 3))
 def test_constants_write_the_flux_equations_in_terms_of_voltage(x, above_d, above_q, Td10, Tq10, V, e1d, e1q, E_f):
     """With Vd = E'd + x' Iq and Vq = E'q - x' Id the paper's form is the textbook's in currents."""
-    machine = TwoAxisMachine(xd=x + above_d, xd1=x, xq=x + above_q, xq1=x, Td10=Td10, Tq10=Tq10)
+    machine = Machine(xd=x + above_d, xd1=x, xq=x + above_q, xq1=x, Td10=Td10, Tq10=Tq10)
     c = constants(machine)
     Vd, Vq = 0.6 * V, 0.8 * V
     Id, Iq = (e1q - Vq) / x, (Vd - e1d) / x

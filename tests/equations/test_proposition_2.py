@@ -12,7 +12,7 @@ from fmu_src.pmu_observer import observer
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.estimators import gradient
 from fmu_src.pmu_observer.linear import Vector
-from fmu_src.pmu_observer.machine import constants
+from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.speed import adaptive
 
 from . import reference

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fmu_src.pmu_observer import observer, tree
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.interface import Enumeration, Real, broken, range_errors, variables
-from fmu_src.pmu_observer.machine import reactance_rules
+from fmu_src.pmu_observer.machines.data import reactance_rules
 from fmu_src.pmu_observer.plants import smib
 
 TREES = {"observer": observer.Parameters(), "plant": smib.Parameters()}

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from fmu_src.pmu_observer import tree
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.interface import broken, variables
-from fmu_src.pmu_observer.machine import ieee39_g6, paper_smib
+from fmu_src.pmu_observer.machines.data import ieee39_g6, paper_smib
 from fmu_src.pmu_observer.plants import smib
 
 from . import reference

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fmu_src.pmu_observer.carriers import floats
-from fmu_src.pmu_observer.machine import constants
+from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.phasors import measurement, signals
 from fmu_src.pmu_observer.sampling import interval
 from fmu_src.pmu_observer.speed import Rotor, adaptive, immersion_invariance

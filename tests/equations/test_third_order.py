@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmu_src.pmu_observer.carriers import floats
-from fmu_src.pmu_observer.machine import constants, paper_smib
+from fmu_src.pmu_observer.machines.data import paper_smib
+from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.third_order import flux_decay, observe
 
 H, x, xd, Td10, omega_s = 23.64, 0.0608, 0.146, 8.96, 314.16

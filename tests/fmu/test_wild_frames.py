@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fmu_src.pmu_observer.carriers import floats
-from fmu_src.pmu_observer.machine import ieee39_g6
+from fmu_src.pmu_observer.machines.data import ieee39_g6
 from fmu_src.pmu_observer.plants import smib
 
 from .instance import FRAME, OK, Instance

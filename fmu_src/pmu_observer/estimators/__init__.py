@@ -7,7 +7,7 @@ FMU's `estimator` enumeration, so new ones go to the end; its name prefixes its 
 from typing import Any, NamedTuple, Protocol, Type
 
 from ..angle import Estimate
-from ..machine import Constants
+from ..machines.two_axis import Constants
 from ..phasors import Signals
 from ..sampling import Interval
 from . import drem, gradient, joint_gradient, open_loop, overparameterised, robust, third_order

@@ -12,7 +12,7 @@ from .. import noise
 from ..angle import Covariance
 from ..interface import Scalar
 from ..linear import Complex, Matrix, Vector, decay_mean, dot
-from ..machine import Constants
+from ..machines.two_axis import Constants
 from ..phasors import Signals
 from ..sampling import Interval
 

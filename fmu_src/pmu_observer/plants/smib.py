@@ -14,7 +14,8 @@ from math import pi
 from typing import Annotated, List, NamedTuple
 
 from ..interface import INLINE, Enumeration, Real, Rule, Scalar
-from ..machine import TwoAxisMachine, constants, reactance_rules
+from ..machines.data import Machine, reactance_rules
+from ..machines.two_axis import constants
 from ..phasors import Frame
 from . import runge_kutta
 
@@ -36,7 +37,7 @@ class Inputs(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    machine: Annotated[TwoAxisMachine, INLINE] = TwoAxisMachine()
+    machine: Annotated[Machine, INLINE] = Machine()
     x_line: Annotated[Scalar, Real("pu", "reactance between terminal and infinite bus", min=0.0, max=10.0)] = 0.0
     start_mode: Annotated[
         Scalar,

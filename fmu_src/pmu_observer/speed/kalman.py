@@ -13,7 +13,7 @@ from .. import noise
 from ..angle import Estimate, unwrap
 from ..interface import Scalar
 from ..linear import decay_mean
-from ..machine import Constants
+from ..machines.two_axis import Constants
 from ..phasors import Signals
 from ..sampling import Interval
 from . import Rotor, RotorCovariance

@@ -1,20 +1,12 @@
-"""The two-axis machine: physical data, and the constants that the paper writes the equations with.
-
-    x1' = x2                                          x = (delta, omega, E'd, E'q)     rad, rad/s, pu, pu
-    x2' = -a0 x2 + b0 (u1 - y5)                       u = (Pm, Ef)                     pu, pu
-    x3' = -a2 x3 + b2 y2 sin(x1 - y1)                 y = (theta, V, phi, I, P, Q)     rad, pu, rad, pu, pu, pu
-    x4' = -a1 x4 + b1 y2 cos(x1 - y1) + c1 u2
-
-x2 is the deviation from synchronous speed. Bobtsov et al. (2020), eq. (1)-(3); x'd = x'q and zero stator resistance.
-"""
+"""The data of a machine, and its bases."""
 
 from math import pi
 from typing import Annotated, List, NamedTuple
 
-from .interface import Real, Rule, Scalar
+from ..interface import Real, Rule, Scalar
 
 
-class TwoAxisMachine(NamedTuple):
+class Machine(NamedTuple):
     """Physical data of a machine, per unit on one common base; the names are those of ANDES and OpenIPSL (1 = prime).
 
     The defaults are the machine of the paper's single-machine study. What its Table 1 leaves out is solved back
@@ -41,47 +33,17 @@ class TwoAxisMachine(NamedTuple):
     omega_s: Annotated[Scalar, Real("rad/s", "synchronous speed", min=1.0, max=1e4, nominal=314.16)] = 314.16
 
 
-def paper_smib() -> TwoAxisMachine:
+def paper_smib() -> Machine:
     """The machine of the paper's single-machine study (its Table 1)."""
-    return TwoAxisMachine()
+    return Machine()
 
 
-def ieee39_g6() -> TwoAxisMachine:
+def ieee39_g6() -> Machine:
     """Generator 6 of the IEEE 39-bus system (Hiskens 2013), pu on 100 MVA, with x'q := x'd as the paper has it."""
-    return TwoAxisMachine(34.8, 0.0, 0.254, 0.05, 0.241, 0.05, 7.3, 0.4, 0.0, 2 * pi * 60)
+    return Machine(34.8, 0.0, 0.254, 0.05, 0.241, 0.05, 7.3, 0.4, 0.0, 2 * pi * 60)
 
 
-class Constants(NamedTuple):
-    """The paper's constants of a machine; `x` is its x', the transient reactance."""
-
-    a0: Scalar  # 1/s
-    b0: Scalar  # rad/s^2 per pu
-    a1: Scalar  # 1/s
-    b1: Scalar  # 1/s
-    c1: Scalar  # 1/s
-    a2: Scalar  # 1/s
-    b2: Scalar  # 1/s
-    x: Scalar  # pu
-
-
-def constants(machine: TwoAxisMachine) -> Constants:
-    """The constants a0 ... c1 below eq. (3) of the paper, with x' := x'd (for x'q see `observer.predict`)."""
-    x = machine.xd1
-    b0 = machine.omega_s / (2 * machine.H)
-    c1 = 1 / machine.Td10
-    return Constants(
-        a0=machine.D * b0,
-        b0=b0,
-        a1=c1 * machine.xd / x,
-        b1=c1 * (machine.xd - x) / x,
-        c1=c1,
-        a2=machine.xq / (x * machine.Tq10),
-        b2=(machine.xq - x) / (x * machine.Tq10),
-        x=x,
-    )
-
-
-def on_system_base(machine: TwoAxisMachine, S_n, S_base) -> TwoAxisMachine:
+def on_system_base(machine: Machine, S_n, S_base) -> Machine:
     """Data in pu of the machine's own S_n, MVA, in pu of S_base: reactances by S_base/S_n, H and D by S_n/S_base."""
     up = S_base / S_n
     return machine._replace(
@@ -95,7 +57,7 @@ def on_system_base(machine: TwoAxisMachine, S_n, S_base) -> TwoAxisMachine:
     )
 
 
-def reactance_rules(machine: TwoAxisMachine) -> List[Rule]:
+def reactance_rules(machine: Machine) -> List[Rule]:
     """No transient reactance is above its synchronous one: no machine is so, and A would be unstable."""
     return [
         Rule(machine.xd1 <= machine.xd, "xd1 = {xd1} is not allowed; it must be in (0, xd = {xd}] pu"),

@@ -1,0 +1,1 @@
+"""The models of a synchronous machine, one a file."""
