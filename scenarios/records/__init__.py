@@ -1,0 +1,1 @@
+"""Records as utilities have them, and the project's standard record that everything else works on."""
