@@ -18,7 +18,7 @@ class Variable(NamedTuple):
 
 
 class Slave(Protocol):
-    """A running instance. The values of `get` are those at the end of the last step."""
+    """A running instance. The values of `get` are those at the end of the last step, with the inputs set since."""
 
     def set(self, values: Mapping[str, float]) -> None: ...
 
@@ -35,7 +35,7 @@ class Slave(Protocol):
 
 class Component(Protocol):
     variables: Mapping[str, Variable]
-    feedthrough: bool
-    """Its outputs show its inputs of the same instant."""
+    feedthrough: frozenset[str]
+    """The inputs that its outputs of the same instant depend on."""
 
     def instantiate(self, label: str) -> Slave: ...

@@ -1,6 +1,6 @@
 """An FMI 2.0 co-simulation FMU and its instances, on FMPy."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from ctypes import byref
 from functools import lru_cache
 from pathlib import Path
@@ -29,10 +29,17 @@ class Fmu:
         self.folder = extract(str(path), unzipdir=str(folder))
         self.description: Any = read_model_description(self.folder)
         self.variables: Mapping[str, Variable] = {v.name: variable(v) for v in self.description.modelVariables}
-        self.feedthrough = any(output.dependencies != [] for output in self.description.outputs)  # None: on all inputs
+        self.feedthrough = frozenset(direct_inputs(self.description))
 
     def instantiate(self, label: str) -> "FmuSlave":
         return FmuSlave(self, label)
+
+
+def direct_inputs(description: Any) -> Iterable[str]:
+    """The inputs that an output of the same instant depends on; where an FMU does not say, all of them."""
+    for output in description.outputs:
+        known = description.modelVariables if output.dependencies is None else output.dependencies
+        yield from (v.name for v in known if v.causality == "input")
 
 
 def variable(v: Any) -> Variable:

@@ -1,7 +1,6 @@
 """The co-simulation: all outputs are exchanged at t, then all instances step to t + h (Jacobi).
 
-Where outputs show the inputs of the same instant (feedthrough: a PMU), an instance gets the others' outputs at t + h
-before it steps to t + h; else it would report the past.
+Outputs that depend on inputs of the same instant (a PMU's) are read again after these have been set.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -54,31 +53,30 @@ def run(plan: Plan, progress: Callable[[float], None] = lambda done: None) -> Re
                 if instance.links:
                     slaves[instance].set({name: outputs[s.instance][s.variable] for name, s in instance.links.items()})
 
-        def change(instances: Iterable[Instance], index: int) -> None:
+        def change(index: int) -> None:
             for point, instance, values in plan.changes:
-                if point == index and instance in instances:
+                if point == index:
                     slaves[instance].set(values)
 
-        first = [instance for instance in plan.instances if instance not in plan.feedthrough]
-        outputs = initialize(plan, slaves, read, feed)
-        change(plan.feedthrough, 0)
+        def exchange(index: int) -> dict[Instance, dict[str, float]]:
+            change(index)
+            outputs = read(plan.instances)
+            for instance in plan.feedthrough:
+                feed([instance], outputs)
+                outputs.update(read([instance]))
+            feed(plan.instances, outputs)
+            return outputs
+
+        initialize(plan, slaves, read, feed)
         start = perf_counter()
         for index in range(steps + 1):
-            for instance, values in outputs.items():
+            for instance, values in exchange(index).items():
                 rows[instance][index] = list(values.values())
             if index == steps:
                 break
             t, end = scenario.time(index), scenario.time(index + 1)
-            change(first, index)
-            feed(first, outputs)
-            for instance in first:
-                slaves[instance].step(t, end - t)
-            outputs = read(first)
-            for instance in plan.feedthrough:
-                change([instance], index + 1)
-                feed([instance], outputs)
-                slaves[instance].step(t, end - t)
-                outputs.update(read([instance]))
+            for slave in slaves.values():
+                slave.step(t, end - t)
             progress((index + 1) / steps)
         wall_time = perf_counter() - start
 
@@ -87,7 +85,7 @@ def run(plan: Plan, progress: Callable[[float], None] = lambda done: None) -> Re
     return Results(plan, time, series, wall_time)
 
 
-def initialize(plan: Plan, slaves: Mapping[Instance, Slave], read, feed):
+def initialize(plan: Plan, slaves: Mapping[Instance, Slave], read, feed) -> None:
     """Initialisation mode: outputs are exchanged until nothing changes, so that the first frames are right.
 
     What passes through a chain of n instances has arrived after n exchanges.
@@ -104,4 +102,3 @@ def initialize(plan: Plan, slaves: Mapping[Instance, Slave], read, feed):
             break
     for slave in slaves.values():
         slave.exit_initialization()
-    return read(slaves)

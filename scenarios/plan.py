@@ -71,7 +71,7 @@ class Plan:
     signals: dict[str, list[Signal]]
     """By the name of an error or a variable: one signal a combination of instances."""
     feedthrough: list[Instance] = field(default_factory=list)
-    """Those whose outputs show their inputs of the same instant, each after those that feed it."""
+    """Those whose outputs depend on connected inputs of the same instant, each after those that feed these."""
 
     def expected(self, expect: Expect, name: str) -> list[Signal]:
         """The signals of that name that an expectation is about."""

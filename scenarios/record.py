@@ -19,7 +19,7 @@ class Record:
     At time t it gives the last row whose time is not after t: a frame is never interpolated.
     """
 
-    feedthrough = False
+    feedthrough: frozenset[str] = frozenset()
 
     def __init__(self, name: str, csv: Csv, folder: Path):
         where = f"csv.{name}"

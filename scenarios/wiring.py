@@ -127,9 +127,15 @@ def changed(lookup: Lookup, where: str, name: str) -> list[tuple[str, Variable]]
 
 
 def feedthrough(lookup: Lookup, instances: Iterable[Instance]) -> list[Instance]:
-    """The instances of components with feedthrough, each after those that feed it. Raises ScenarioError for a loop."""
-    passing = [instance for instance in instances if lookup.components[instance.component].feedthrough]
-    fed_by = {i: [s.instance for s in i.links.values() if s.instance in passing] for i in passing}
+    """The instances whose outputs depend on connected inputs of the same instant, each after those that feed these.
+
+    Raises ScenarioError for a loop.
+    """
+    direct = {
+        i: [source.instance for name, source in i.links.items() if name in lookup.components[i.component].feedthrough]
+        for i in instances
+    }
+    fed_by = {i: [source for source in sources if direct[source]] for i, sources in direct.items() if sources}
     try:
         return list(TopologicalSorter(fed_by).static_order())
     except CycleError as error:

@@ -20,12 +20,12 @@ CLEAN = Parameters(tve=0.0)
 
 
 def run(p, count, plant=lambda t: STEADY, xp=floats, h=H):
-    """The outputs at 0, h, ..., count h; the inputs of a step are those at its end."""
+    """The outputs at 0, h, ..., count h, each with the inputs of that time."""
     state, outputs = pmu_channel.start(xp, p, Inputs(plant(0.0)), 0.0)
     found = [outputs]
     for k in range(count):
-        state, outputs = pmu_channel.step(xp, p, state, Inputs(plant((k + 1) * h)), k * h, h)
-        found.append(outputs)
+        state, _ = pmu_channel.step(xp, p, state, Inputs(plant(k * h)), k * h, h)
+        found.append(pmu_channel.output(xp, p, state, Inputs(plant((k + 1) * h)), (k + 1) * h))
     return found
 
 
@@ -100,7 +100,7 @@ def test_noise_is_white_circular_and_independent():
 def test_without_any_error_the_frame_is_the_truth():
     outputs = run(CLEAN, 3)[-1]
     S = V * np.conj(CURRENT)
-    expected = [1.02, 0.3, 0.8, -0.2, S.real, S.imag, 0.5, 1.7, 1.0]
+    expected = [1.02, 0.3, 0.8, -0.2, S.real, S.imag, 0.5, 1.7, 1.0, 3 * H]
     assert tree.leaves(outputs) == pytest.approx(expected, abs=1e-15)
 
 
@@ -164,6 +164,7 @@ def test_latency_in_whole_frames(latency, frames):
     shown = [max(0, k - frames) * H for k in range(51)]
     assert [o.frame.theta_t for o in found] == pytest.approx(shown, abs=1e-12)
     assert [o.P_m for o in found] == pytest.approx([10 * t for t in shown], abs=1e-12)
+    assert [o.t_frame for o in found] == pytest.approx(shown, abs=1e-12)
 
 
 def test_a_lost_frame_is_flagged_and_the_last_one_held():
@@ -171,6 +172,7 @@ def test_a_lost_frame_is_flagged_and_the_last_one_held():
     last = 0.0
     for k, outputs in enumerate(found):
         last = k * H if outputs.frame_valid else last
+        assert outputs.t_frame == pytest.approx(last, abs=1e-12)
         assert outputs.frame.theta_t == pytest.approx(math.remainder(last, 2 * math.pi), abs=1e-12)
     assert 30 < sum(o.frame_valid == 0 for o in found) < 90
 
@@ -187,18 +189,30 @@ def test_a_frame_comes_at_every_multiple_of_its_period_and_the_outputs_hold_in_b
     for k, outputs in enumerate(found):
         taken = math.ceil(math.floor(k * 60 / 1000 + 1e-9) * 1000 / 60 - 1e-9) / 1000
         assert outputs.frame.theta_t == pytest.approx(taken, abs=1e-12)
+        assert outputs.t_frame == pytest.approx(taken, abs=1e-12)
         assert outputs.frame_valid == 1
 
 
+@pytest.mark.parametrize("begin", [-3600.0, 0.0, 3600.0, 1.7e9])
 @pytest.mark.parametrize("rate", [10.0, 25.0, 30.0, 50.0, 60.0, 120.0])
-def test_every_step_of_a_frames_period_brings_a_frame(rate):
-    """Also after an hour of a master that adds up its steps."""
-    p, h, t = CLEAN._replace(rate=rate), 1 / rate, 3600.0
+def test_every_step_of_a_frames_period_brings_a_frame(rate, begin):
+    """Of a master that adds up its steps, also in UTC seconds, where a double counts in steps of 2.4e-7 s."""
+    p, h, t = CLEAN._replace(rate=rate), 1 / rate, begin
     state, _ = pmu_channel.start(floats, p, Inputs(STEADY), t)
     for k in range(500):
         state, outputs = pmu_channel.step(floats, p, state, Inputs(STEADY._replace(P_m=float(k))), t, h)
-        assert outputs.P_m == k
+        assert (outputs.P_m, outputs.t_frame) == (k, t)
         t += h
+
+
+@pytest.mark.parametrize("rate", [10.0, 25.0, 30.0, 50.0, 60.0, 120.0])
+def test_every_step_brings_a_frame_on_a_clock_in_whole_nanoseconds(rate):
+    """libcosim's, for 20 minutes: its steps of 16 666 666 ns fall behind a period of 1/60 s by 48 us by then."""
+    p, h = CLEAN._replace(rate=rate), math.floor(1e9 / rate)
+    state, _ = pmu_channel.start(floats, p, Inputs(STEADY), 0.0)
+    for k in (*range(500), *range(round(1200 * rate), round(1200 * rate) + 50)):
+        state, outputs = pmu_channel.step(floats, p, state, Inputs(STEADY._replace(P_m=float(k))), k * h / 1e9, h / 1e9)
+        assert outputs.P_m == k
 
 
 # Random numbers -------------------------------------------------------------------------------------------------------
@@ -259,13 +273,15 @@ def traced(p, count, plant):
     state, outputs = pmu_channel.start(symbols, parameters, inputs, t)
     start = Function("start", [vector(parameters), vector(inputs), t], [vector(state), vector(outputs)])
     state = symbol(state)
-    after, shown = pmu_channel.step(symbols, parameters, state, inputs, t, h)
-    step = Function("step", [vector(parameters), vector(state), vector(inputs), t, h], [vector(after), vector(shown)])
+    after, _ = pmu_channel.step(symbols, parameters, state, inputs, t, h)
+    shown = pmu_channel.output(symbols, parameters, state, inputs, t)
+    step = Function("step", [vector(parameters), vector(state), vector(inputs), t, h], [vector(after)])
+    output = Function("output", [vector(parameters), vector(state), vector(inputs), t], [vector(shown)])
     state, outputs = start(numbers(p), numbers(plant(0.0)), 0.0)
     found = [outputs]
     for k in range(count):
-        state, outputs = step(numbers(p), state, numbers(plant((k + 1) * H)), k * H, H)
-        found.append(outputs)
+        state = step(numbers(p), state, numbers(plant(k * H)), k * H, H)
+        found.append(output(numbers(p), state, numbers(plant((k + 1) * H)), (k + 1) * H))
     return [tuple(outputs.full().ravel()) for outputs in found]
 
 
@@ -278,23 +294,70 @@ def test_what_is_not_finite_cannot_be_measured(value):
     assert [o.frame_valid for o in found] == [1.0] * 4 + [0.0] * 2 + [1.0] * 7
     assert all(math.isfinite(leaf) for o in found for leaf in tree.leaves(o))
     first = run(CLEAN, 0, lambda t: STEADY._replace(V_t=value))[0]
-    assert tree.leaves(first) == [0.0] * 9
+    assert tree.leaves(first) == [0.0] * 10
+
+
+# Inputs and outputs of one instant, in any order of a master --------------------------------------------------------
+
+
+def moving(t):
+    """A plant that says what time its values are of."""
+    return ramp(t)._replace(t_frame=t)
+
+
+def test_a_frame_read_after_its_inputs_were_set_shows_them_however_often():
+    """Every read gives the same noise, and takes none from the frames to come."""
+    p = Parameters(tve=0.05, seed=4)
+    state, _ = pmu_channel.start(floats, p, Inputs(ramp(0.0)), 0.0)
+    once = pmu_channel.output(floats, p, state, Inputs(ramp(0.0)), 0.0)
+    assert pmu_channel.output(floats, p, state, Inputs(ramp(0.0)), 0.0) == once
+    other = pmu_channel.output(floats, p, state, Inputs(STEADY._replace(V_t=2 * STEADY.V_t)), 0.0)
+    assert other.frame.V_t == pytest.approx(2 * once.frame.V_t, rel=1e-15)
+    state, after = pmu_channel.step(floats, p, state, Inputs(ramp(0.0)), 0.0, H)
+    assert after == once  # the step took the frame as it was read
+    assert pmu_channel.output(floats, p, state, Inputs(ramp(H)), H).frame.V_t != pytest.approx(once.frame.V_t)
+
+
+@pytest.mark.parametrize("h", [H, 1e-3, 0.01, 0.04])
+@pytest.mark.parametrize("latency", [0.0, 0.05])
+def test_jacobi_and_gauss_seidel_give_the_same_frames(h, latency):
+    """At t_frame the plant had the values of the frame, whether they came with the step that begins or ends there."""
+    p = CLEAN._replace(latency=latency)
+    state = before = pmu_channel.start(floats, p, Inputs(moving(0.0)), 0.0)[0]
+    frames = set(), set()
+    for k in range(300):
+        state, jacobi = pmu_channel.step(floats, p, state, Inputs(moving(k * h)), k * h, h)
+        before, gauss_seidel = pmu_channel.step(floats, p, before, Inputs(moving((k + 1) * h)), k * h, h)
+        for outputs, found in zip((jacobi, gauss_seidel), frames, strict=True):
+            assert outputs.P_m == pytest.approx(10 * outputs.t_frame, abs=1e-12)
+            found.add(round(outputs.t_frame, 9))
+        assert gauss_seidel.t_frame >= jacobi.t_frame
+    jacobi, gauss_seidel = ({t for t in found if t > h} for found in frames)  # the first one is that of 0, or of h
+    assert gauss_seidel >= jacobi
+    assert len(gauss_seidel - jacobi) <= 1  # the last one, which is at the end of the last step
+
+
+def test_a_stamp_that_is_not_finite_is_none():
+    for stamp in (math.nan, math.inf, -math.inf, pmu_channel.UNSTAMPED):
+        outputs = run(CLEAN, 3, lambda t, stamp=stamp: ramp(t)._replace(t_frame=stamp))[-1]
+        assert (outputs.t_frame, outputs.P_m, outputs.frame_valid) == (3 * H, 10 * 3 * H, 1.0)
 
 
 # The FMU --------------------------------------------------------------------------------------------------------------
 
-NAMES = [f"plant.{name}" for name in STEADY._fields]
+NAMES = [f"plant.{name}" for name in STEADY._fields[:-1]]
+VALID, T_FRAME = -2, -1  # places among the outputs
 
 
 def feed(instance, plant):
-    instance.set(**{name.replace(".", "__"): value for name, value in zip(NAMES, plant, strict=True)})
+    instance.set(**{name.replace(".", "__"): value for name, value in zip(NAMES, plant, strict=False)})
 
 
 def steps(instance, first, last):
     found = []
     for k in range(first, last):
-        feed(instance, ramp((k + 1) * H))
         assert instance.step(k * H, H) == OK
+        feed(instance, ramp((k + 1) * H))
         found.append(instance.outputs())
     return found
 
@@ -311,7 +374,7 @@ def test_the_fmu_shows_a_frame_at_initialisation_and_is_the_equations(channel):
     channel.initialise()
     found = [channel.outputs(), *steps(channel, 0, 60)]
     assert found == values(run(EVERYTHING._replace(seed=11), 60, ramp))
-    assert abs(found[0][0] - 1.02) < 0.3 and found[0][-1] == 0  # a frame, the first on its way
+    assert abs(found[0][0] - 1.02) < 0.3 and found[0][VALID] == 0  # a frame, the first on its way
 
 
 def test_rolling_back_repeats_to_the_bit(channel):
@@ -331,7 +394,7 @@ def test_a_gap_made_by_the_tunable_dropout(dist):
     valid = []
     for dropout in (0.0, 1.0, 0.0):
         channel.set(dropout=dropout)
-        valid += [row[-1] for row in steps(channel, len(valid), len(valid) + 5)]
+        valid += [row[VALID] for row in steps(channel, len(valid), len(valid) + 5)]
     assert valid == [1] * 5 + [0] * 5 + [1] * 5
     channel.free()
 

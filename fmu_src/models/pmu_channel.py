@@ -9,8 +9,7 @@ MODEL = Model(
     inputs=pmu_channel.Inputs(),
     parameters=pmu_channel.Parameters(),
     outputs=pmu_channel.Outputs(),
-    programs={"pmu_channel": Program(pmu_channel.start, pmu_channel.step)},
+    programs={"pmu_channel": Program(pmu_channel.start, pmu_channel.step, pmu_channel.output)},
     rules=pmu_channel.rules,
-    feedthrough=True,
     step_size=1 / 60,
 )

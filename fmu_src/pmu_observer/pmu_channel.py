@@ -12,7 +12,12 @@ independent for V and I; with u, u' uniform in (0, 1) it is r e^{j alpha}, alpha
     student_t:  r^2 = (k - 2)/2 (u^(-2/k) - 1)         bivariate t, k degrees of freedom (Bailey 1994)
 
 A frame is taken at the communication points at or after every multiple of 1/rate. In between the outputs hold, and so
-they do where a frame is lost: then `frame_valid` is false.
+they do where a frame is lost: then `frame_valid` is false. `t_frame` is the time at which the frame that they show was
+measured.
+
+The inputs of a step from t to t + h are the values at t, as FMI 2.0 has it, and so its frame is that of t. The frame of
+t + h shows as soon as the inputs of t + h are set. Some masters set the inputs of t + h before the step to t + h
+(Gauss-Seidel): with `plant.t_frame` connected, the values bring their time along, and both orders give the same frames.
 """
 
 from collections import namedtuple
@@ -31,8 +36,12 @@ GAUSSIAN, LAPLACE, STUDENT_T = 1, 2, 3
 LONGEST_LATENCY = 32
 """Frames."""
 
-ON_TIME = 1e-6
-"""Of a frame's period: a communication point this close before a frame is at it."""
+ON_TIME = 1e-2
+"""Of a frame's period: a communication point this close before a frame is at it. A clock in whole nanoseconds loses
+4e-8 of it a step of 1/60 s (0.9 % in an hour), and one in UTC seconds counts in steps of 2.4e-7 s."""
+
+UNSTAMPED = -1e30
+"""s; the start value of `plant.t_frame`: where it is not connected, the values are those of the communication point."""
 
 
 class Plant(NamedTuple):
@@ -44,6 +53,9 @@ class Plant(NamedTuple):
     phi_t: Annotated[Scalar, Real("rad", "true angle of the terminal current phasor, generator convention")] = 0.0
     P_m: Annotated[Scalar, Real("pu", "mechanical power")] = 0.0
     E_f: Annotated[Scalar, Real("pu", "field voltage")] = 0.0
+    t_frame: Annotated[
+        Scalar, Real("s", "time of these values on the simulation's clock; not connected: the communication point")
+    ] = UNSTAMPED
 
 
 class Inputs(NamedTuple):
@@ -95,6 +107,9 @@ class Outputs(NamedTuple):
     frame_valid: Annotated[
         Scalar, Boolean("the last frame has come; if it is lost or the first is on its way, the outputs hold")
     ] = 0.0
+    t_frame: Annotated[
+        Scalar, Real("s", "time at which the frame now shown was measured, on the simulation's clock")
+    ] = 0.0
 
 
 class Packet(NamedTuple):
@@ -107,6 +122,7 @@ class Packet(NamedTuple):
     P_m: Scalar  # pu
     E_f: Scalar  # pu
     valid: Scalar  # 1, or 0 where a frame is missing
+    time: Scalar  # s, of the measurement
 
 
 Network: Any = namedtuple("Network", [f"packet{place}" for place in range(LONGEST_LATENCY)])
@@ -114,8 +130,8 @@ Network: Any = namedtuple("Network", [f"packet{place}" for place in range(LONGES
 
 
 class State(NamedTuple):
-    count: Scalar  # number of the last frame: its time times the rate
-    generator: Generator
+    count: Scalar  # number of the last frame that was taken: its time times the rate
+    generator: Generator  # of the next one's random numbers
     network: Any  # Network
     shown: Packet  # the values of the last frame that came, and whether there was one since
 
@@ -132,38 +148,56 @@ def delay(xp, p: Parameters):
 
 
 def start(xp, p: Parameters, inputs: Inputs, t):
-    """State and outputs at time t, when the first frame is taken; while it is on its way, its values are shown."""
-    generator, packet = measured(xp, p, mrg32k3a.stream(xp, p.seed), inputs)
+    """State and outputs at time t, where the first frame is due; while it is on its way, its values are shown."""
+    generator, time = mrg32k3a.stream(xp, p.seed), time_of(xp, inputs, t)
+    _, packet = measured(xp, p, generator, inputs, time)
     missing = packet._replace(valid=0.0)
-    state = State(frame_number(xp, p, t), generator, Network(*[missing] * LONGEST_LATENCY), missing)
-    state = sent(xp, p, state, packet)
-    return state, outputs(xp, state)
+    state = State(frame_number(xp, p, time) - 1, generator, Network(*[missing] * LONGEST_LATENCY), missing)
+    return state, output(xp, p, state, inputs, t)
 
 
 def step(xp, p: Parameters, state: State, inputs: Inputs, t, h):
-    """From t to t + h; a frame that is due by t + h shows the inputs."""
-    count = frame_number(xp, p, t + h)
+    """From t, where the frame that is due is taken, to t + h."""
+    state = taken(xp, p, state, inputs, t)
+    return state, outputs(xp, state)
+
+
+def output(xp, p: Parameters, state: State, inputs: Inputs, t) -> Outputs:
+    """The frame of time t, if one is due, shows the inputs; reading it takes no random numbers from those to come."""
+    return outputs(xp, taken(xp, p, state, inputs, t))
+
+
+def taken(xp, p: Parameters, state: State, inputs: Inputs, t) -> State:
+    """With the frame of time t, if that is another one than the last."""
+    time = time_of(xp, inputs, t)
+    count = frame_number(xp, p, time)
 
     def with_frame():
-        generator, packet = measured(xp, p, state.generator, inputs)
+        generator, packet = measured(xp, p, state.generator, inputs, time)
         return sent(xp, p, state._replace(count=count, generator=generator), packet)
 
-    state = xp.cond(count > state.count, with_frame, lambda: state)
-    return state, outputs(xp, state)
+    return xp.cond(count != state.count, with_frame, lambda: state)
+
+
+def time_of(xp, inputs: Inputs, t):
+    """When the values of the inputs were measured. s"""
+    stamp = inputs.plant.t_frame
+    return xp.where(xp.abs(stamp) < -UNSTAMPED / 2, stamp, t)  # false for NaN too
 
 
 def frame_number(xp, p: Parameters, t):
     return xp.floor(t * p.rate + ON_TIME)
 
 
-def measured(xp, p: Parameters, generator: Generator, inputs: Inputs):
+def measured(xp, p: Parameters, generator: Generator, inputs: Inputs, time):
     """The frame that the PMU sends. Every frame takes ten random numbers, so that no parameter changes which."""
     u = []
     for _ in range(10):
         generator, number = mrg32k3a.uniform(xp, generator)
         u.append(number)
-    finite = is_finite(xp, tree.leaves(inputs))  # what is not finite cannot be measured
-    true = tree.map(lambda value: xp.where(finite, value, 0.0), inputs.plant)
+    values = inputs.plant._replace(t_frame=0.0)
+    finite = is_finite(xp, tree.leaves(values))  # what is not finite cannot be measured
+    true = tree.map(lambda value: xp.where(finite, value, 0.0), values)
 
     gross = xp.where(u[7] < p.gross_error_probability, p.gross_error, 0.0)
     error = from_polar(xp, gross, u[9])
@@ -179,7 +213,7 @@ def measured(xp, p: Parameters, generator: Generator, inputs: Inputs):
     V, theta = phasor(true.V_t, true.theta_t, p.V_magnitude_bias, p.V_angle_bias, noise(xp, p, *u[0:3]), in_V)
     I, phi = phasor(true.I_t, true.phi_t, p.I_magnitude_bias, p.I_angle_bias, noise(xp, p, *u[3:6]), in_I)  # noqa: E741 - the paper's name
     valid = xp.where(xp.logical_and(finite, u[6] >= p.dropout), 1.0, 0.0)
-    return generator, Packet(V, theta, I, phi, true.P_m, true.E_f, valid)
+    return generator, Packet(V, theta, I, phi, true.P_m, true.E_f, valid, time)
 
 
 def noise(xp, p: Parameters, u1, u2, u3) -> Complex:
@@ -219,6 +253,6 @@ def sent(xp, p: Parameters, state: State, packet: Packet) -> State:
 
 
 def outputs(xp, state: State) -> Outputs:
-    V, theta, I, phi, P_m, E_f, valid = state.shown  # noqa: E741 - the paper's name
+    V, theta, I, phi, P_m, E_f, valid, time = state.shown  # noqa: E741 - the paper's name
     S, lag = V * I, theta - phi
-    return Outputs(Frame(V, theta, I, phi, S * xp.cos(lag), S * xp.sin(lag)), P_m, E_f, valid)
+    return Outputs(Frame(V, theta, I, phi, S * xp.cos(lag), S * xp.sin(lag)), P_m, E_f, valid, time)

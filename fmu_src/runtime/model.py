@@ -1,7 +1,7 @@
 """A model as the runtimes see it: annotated trees for its interface, and functions for what it does."""
 
 from math import inf
-from typing import Any, Callable, Dict, List, NamedTuple, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from ..pmu_observer.interface import Rule
 
@@ -9,15 +9,25 @@ Tree = Any
 """A NamedTuple of scalars and of further NamedTuples: see `pmu_observer.tree`."""
 
 
+ON_TIME = 1e-2
+"""Of a communication step: a master that adds up its steps, or counts in nanoseconds, may begin one this much off the
+end of the last one, and end it this much after stopTime. What is wrong is wrong by whole steps."""
+
+
 class Program(NamedTuple):
     """The equations of a model; `xp` is the carrier of its scalars.
 
     start(xp, parameters, inputs, t) -> state, outputs at t
     step(xp, parameters, state, inputs, t, h) -> state, outputs at t + h
+    output(xp, parameters, state, inputs, t) -> outputs at t
+
+    `output` is for equations with direct feedthrough: where an input is set after a step, the outputs that are read
+    then show it. It changes nothing, so that reading twice gives the same.
     """
 
     start: Callable[..., Tuple[Tree, Tree]]
     step: Callable[..., Tuple[Tree, Tree]]
+    output: Optional[Callable[..., Tree]] = None
 
 
 def no_rules(xp, parameters, inputs) -> List[Rule]:
@@ -39,8 +49,6 @@ class Model(NamedTuple):
     """rules(xp, parameters, inputs): what must hold at the start of values that are each in range."""
     input_variability: str = "continuous"
     """`discrete` for frames, which must not be interpolated."""
-    feedthrough: bool = False
-    """The outputs at the end of a step show the inputs of that instant: a master sets those, then steps the FMU."""
     max_step: float = inf
     """s; the runtime divides longer communication steps."""
     step_size: float = 1e-2

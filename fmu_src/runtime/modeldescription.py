@@ -4,6 +4,7 @@ from typing import List, Tuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from ..pmu_observer.interface import Boolean, Enumeration, Real
+from .dependencies import at_start, in_step_mode
 from .model import Model
 from .ports import Port, ports
 
@@ -60,7 +61,7 @@ def model_description(model: Model, guid: str, capabilities: dict, source_files:
     model_variables = SubElement(root, "ModelVariables")
     for reference, port in enumerate(all_ports):
         scalar_variable(model_variables, reference, port)
-    model_structure(root, all_ports, model.feedthrough)
+    model_structure(root, model, all_ports)
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
 
@@ -134,12 +135,12 @@ def scalar_variable(parent: Element, reference: int, port: Port) -> None:
     SubElement(element, type(specification).__name__, attributes)
 
 
-def model_structure(root: Element, all_ports: List[Port], feedthrough: bool) -> None:
-    """Without feedthrough no output depends on an input of its own instant. Initially, all depend on all."""
+def model_structure(root: Element, model: Model, all_ports: List[Port]) -> None:
+    """What each output depends on: on inputs of its own instant in step mode, on inputs and parameters at the start."""
     structure = SubElement(root, "ModelStructure")
-    outputs = [str(index) for index, port in enumerate(all_ports, 1) if port.causality == "output"]
-    in_step_mode, initially = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
-    none = {} if feedthrough else {"dependencies": ""}  # without the attribute: on all inputs
-    for index in outputs:
-        SubElement(in_step_mode, "Unknown", {"index": index, **none})
-        SubElement(initially, "Unknown", index=index)
+    outputs = [index for index, port in enumerate(all_ports, 1) if port.causality == "output"]
+    for element, found in (("Outputs", in_step_mode(model)), ("InitialUnknowns", at_start(model))):
+        unknowns = SubElement(structure, element)
+        for index, places in zip(outputs, found):
+            indices = " ".join(str(place + 1) for place in places)
+            SubElement(unknowns, "Unknown", index=str(index), dependencies=indices)

@@ -1,4 +1,7 @@
-"""The call sequence of FMI 2.0.4, section 4.2.4: a SmibPlant in each of its phases, and every function called there."""
+"""The call sequence of FMI 2.0.4, section 4.2.4: a SmibPlant in each of its phases, and every function called there.
+
+One table for both kinds of FMU; test_call_sequence says what of it the Python kind can signal.
+"""
 
 from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer, pointer
 from math import nan
@@ -9,6 +12,42 @@ import pytest
 from .instance import DISCARD, OK, Instance
 
 PHASES = ("instantiated", "initialization", "step_complete", "step_failed", "terminated")
+
+# function: status in each of the PHASES; o = fmi2OK, d = fmi2Discard, E = fmi2Error
+TABLE = """
+    fmi2SetDebugLogging               o o o o o
+    fmi2SetupExperiment               o E E E E
+    fmi2EnterInitializationMode       o E E E E
+    fmi2ExitInitializationMode        E o E E E
+    fmi2Terminate                     E E o o E
+    fmi2Reset                         o o o o o
+    fmi2GetReal                       E o o o o
+    fmi2GetInteger                    E o o o o
+    fmi2GetBoolean                    E o o o o
+    fmi2GetString                     E o o o o
+    set_input                         o o o E E
+    set_fixed_parameter               o o E E E
+    fmi2SetInteger                    o o E E E
+    set_output                        E E E E E
+    fmi2SetBoolean                    o o o E E
+    fmi2SetString                     o o o E E
+    fmi2GetFMUstate                   o o o o o
+    fmi2SetFMUstate                   o o o o o
+    fmi2FreeFMUstate                  o o o o o
+    fmi2SerializedFMUstateSize        o o o o o
+    fmi2SerializeFMUstate             o o o o o
+    fmi2DeSerializeFMUstate           o o o o o
+    fmi2GetDirectionalDerivative      E E E E E
+    fmi2SetRealInputDerivatives       E E E E E
+    fmi2GetRealOutputDerivatives      E E E E E
+    fmi2DoStep                        E E o E E
+    fmi2CancelStep                    E E E E E
+    fmi2GetStatus                     E E d d d
+    fmi2GetRealStatus                 E E o o o
+    fmi2GetIntegerStatus              E E d d d
+    fmi2GetBooleanStatus              E E o o o
+    fmi2GetStringStatus               E E d d d
+"""
 
 H = 0.01
 

@@ -61,13 +61,25 @@ def test_parameters_that_do_not_go_together(plant, bad, words):
     assert plant.step(0.0, H) == DISCARD
 
 
-def test_a_bad_input_of_the_plant_discards_the_step_and_a_good_one_goes_on(plant):
+def test_a_bad_input_of_the_plant_fails_the_step_and_the_state_before_it_leads_on(plant):
     plant.initialise()
-    before = plant.outputs()
+    before, state = plant.outputs(), plant.slave.getFMUState()
     plant.set(V_inf=math.nan)
     assert plant.step(0.0, H) == DISCARD
     assert "V_inf = nan" in plant.messages[-1]
     assert plant.outputs() == before
+    assert plant.step(0.0, H) == DISCARD
+    assert "after a step that failed" in plant.messages[-1]
+    plant.slave.setFMUState(state)
+    assert plant.step(0.0, H) == OK
+
+
+def test_outputs_that_a_bad_input_leaves_without_a_value_stay_as_they_are(plant):
+    plant.initialise()
+    before = plant.outputs()
+    plant.set(V_inf=math.nan)
+    assert plant.outputs() == before
+    assert "the outputs are not calculated" in plant.messages[-1] and "V_inf = nan" in plant.messages[-1]
     plant.set(V_inf=1.0)
     assert plant.step(0.0, H) == OK
 
@@ -123,6 +135,59 @@ def test_a_step_that_cannot_be_done_is_discarded(observer, time, h, word):
     assert observer.step(time, h) == DISCARD
     assert word in observer.messages[-1]
     assert observer.step(H, H) == OK
+
+
+def test_stop_time(observer):
+    """A last step may end 1 % of it later, for a master that counts in nanoseconds."""
+    observer.slave.setupExperiment(startTime=0.0, stopTime=2 * H)
+    observer.slave.enterInitializationMode()
+    observer.slave.exitInitializationMode()
+    assert observer.step(0.0, H) == OK
+    assert observer.step(H, 1.02 * H) == DISCARD
+    assert f"stopTime = {2 * H:.12g} s" in observer.messages[-1]
+    assert observer.step(H, 1.001 * H) == OK
+    assert observer.step(2.001 * H, H) == DISCARD
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "words"),
+    [(math.nan, None, "startTime = nan"), (math.inf, None, "startTime = inf"), (1.0, 0.5, "stopTime = 0.5")],
+)
+def test_experiments_that_are_not_allowed(observer, start, stop, words):
+    observer.slave.setupExperiment(startTime=start, stopTime=stop)
+    assert words in observer.messages[-1]
+    observer.initialise(time=5.0, **GOOD)
+    assert observer.step(5.0, H) == OK
+
+
+def test_an_experiment_set_up_in_step_mode_does_not_move_the_clock(observer):
+    observer.initialise(**GOOD)
+    observer.slave.setupExperiment(startTime=7.0)
+    assert "fmi2SetupExperiment is not allowed while the slave is in step mode" in observer.messages[-1]
+    assert observer.step(7.0, H) == DISCARD
+    assert observer.step(0.0, H) == OK
+
+
+def test_the_state_of_an_instance_that_was_refused(dist, observer):
+    """Set on a healthy one, it makes that one refuse its steps, as the other does; the state before leads on."""
+    refused = Instance(dist / "python" / "PmuObserver.fmu", "refused", H=-1.0).initialise(**GOOD)
+    blob = refused.slave.serializeFMUState(refused.slave.getFMUState())
+    refused.free()
+    observer.initialise(**GOOD)
+    before = observer.slave.getFMUState()
+    observer.slave.setFMUState(observer.slave.deserializeFMUState(blob))
+    assert observer.step(0.0, H) == DISCARD
+    observer.slave.setFMUState(before)
+    assert observer.step(0.0, H) == OK
+
+
+def test_parameters_are_put_right_in_initialization_mode(observer):
+    observer.set(xd1=0.2)
+    observer.initialise(**GOOD)
+    assert observer.step(0.0, H) == DISCARD
+    observer.set(xd1=0.05)
+    observer.slave.exitInitializationMode()
+    assert observer.step(0.0, H) == OK
 
 
 def test_steps_outside_step_mode(observer):

@@ -4,8 +4,13 @@ import re
 import zipfile
 
 import pytest
+from casadi import SX, jacobian_sparsity, vertcat
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
+
+import build_fmu
+from fmu_src.pmu_observer import tree
+from fmu_src.pmu_observer.carriers import symbols
 
 FRAME = ["V_t", "theta_t", "I_t", "phi_t", "P_t", "Q_t"]
 MACHINE = ["H", "D", "xd", "xd1", "xq", "xq1", "Td10", "Tq10", "Ra", "omega_s"]
@@ -50,13 +55,13 @@ CONTRACT = {
         ],
     },
     "PmuChannel": {
-        "input": [f"plant.{name}" for name in ("V_t", "theta_t", "I_t", "phi_t", "P_m", "E_f")],
+        "input": [f"plant.{name}" for name in ("V_t", "theta_t", "I_t", "phi_t", "P_m", "E_f", "t_frame")],
         "parameter": [
             *("rate", "tve", "noise", "degrees_of_freedom", "magnitude_step", "angle_step", "latency", "dropout"),
             *("V_magnitude_bias", "V_angle_bias", "I_magnitude_bias", "I_angle_bias"),
             *("gross_error_probability", "gross_error", "seed"),
         ],
-        "output": [*FRAME, "P_m", "E_f", "frame_valid"],
+        "output": [*FRAME, "P_m", "E_f", "frame_valid", "t_frame"],
     },
 }
 
@@ -89,16 +94,49 @@ def test_every_variable_is_described(dist, name):
     assert [v.name for v in description.modelVariables if not v.description] == []
 
 
+def dependencies(unknowns):
+    """Names by the name of the unknown."""
+    return {unknown.variable.name: {v.name for v in unknown.dependencies} for unknown in unknowns}
+
+
 @pytest.mark.parametrize("name", CONTRACT)
 def test_structure(dist, name):
-    """Every output is an initial unknown; that of the channel alone depends on the inputs of its own instant."""
+    """Every output has dependencies, on inputs of its own instant and at the start."""
     description = read_model_description(dist / "python" / f"{name}.fmu")
     outputs = {v.name for v in description.modelVariables if v.causality == "output"}
-    unknowns = {unknown.variable.name: unknown for unknown in description.outputs if unknown.variable}
-    assert set(unknowns) == outputs
-    dependencies = None if name == "PmuChannel" else []
-    assert all(unknown.dependencies == dependencies for unknown in unknowns.values())
-    assert {unknown.variable.name for unknown in description.initialUnknowns if unknown.variable} == outputs
+    direct = dependencies(description.outputs)
+    assert set(direct) == set(dependencies(description.initialUnknowns)) == outputs
+    if name == "PmuChannel":
+        assert all(names == set(CONTRACT[name]["input"]) for names in direct.values())
+    elif name == "SmibPlant":
+        at_once = {*FRAME, "load_angle"}
+        assert direct == {output: {"V_inf", "theta_inf"} if output in at_once else set() for output in outputs}
+    else:
+        assert not any(direct.values())
+
+
+@pytest.mark.parametrize("name", build_fmu.native_names())
+def test_dependencies_at_the_start_are_those_that_casadi_finds(dist, name):
+    """In the Jacobian of start, which knows no conditions; a parameter that chooses the program is for all of them."""
+    description = read_model_description(dist / "python" / f"{name}.fmu")
+    model = build_fmu.all_models()[name][1]
+    knowns = [v.name for v in description.modelVariables if v.causality in ("input", "parameter")]
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    expected = {output: {model.selector} - {""} for output in outputs}
+    for program in model.programs.values():
+        shape = (model.inputs, model.parameters)
+        inputs, parameters = tree.like(shape, [SX.sym(known) for known in knowns])
+        _, found = program.start(symbols, parameters, inputs, SX.sym("t"))
+        sparsity = SX(vertcat(*tree.leaves(found)))
+        depends = jacobian_sparsity(sparsity, vertcat(*tree.leaves((inputs, parameters))))
+        for row, column in zip(depends.row(), depends.get_col(), strict=True):
+            expected[outputs[row]].add(knowns[column])
+    declared = dependencies(description.initialUnknowns)
+    assert all(declared[output] >= names for output, names in expected.items())
+    if name == "SmibPlant":  # and nothing beyond what they are made of
+        assert declared["omega"] == {"omega_start", "start_mode", "f_inf", "omega_s"}
+        assert declared["E_f_start"] - declared["omega"] <= {*MACHINE, "P_m", "E_f", "V_inf", "x_line", "V_t_start"}
+        assert declared["t_frame"] == set()
 
 
 def test_inputs_of_the_observer_are_discrete(dist):

@@ -152,6 +152,7 @@ def test_null_pointers(instance):
         (-H, H, "the last step ended at 0 s"),
         (nan, H, "currentCommunicationPoint = nan s"),
         (0.0, 2.5, "stopTime = 2 s"),
+        (0.02 * H, H, "the last step ended at 0 s"),
     ],
 )
 def test_steps_that_are_not_allowed(instance, time, h, words):
@@ -165,17 +166,30 @@ def test_steps_that_are_not_allowed(instance, time, h, words):
     assert instance.step(0.0, H) == OK
 
 
-def test_time_stamps_may_be_rounded(instance):
+@pytest.mark.parametrize("begin", [-1.0, 0.0, 1.7e9])
+def test_time_stamps_may_be_rounded(instance, begin):
     """A master that adds up its steps is off by some ulps; it reaches stopTime nevertheless."""
+    instance.slave.setupExperiment(startTime=begin, stopTime=begin + 2.0)
+    instance.slave.enterInitializationMode()
+    instance.slave.exitInitializationMode()
+    time = begin
+    while time < begin + 2.0 - H / 2:
+        assert instance.step(time, H) == OK
+        assert instance.step(time, H) == ERROR
+        assert instance.step(time + 2 * H, H) == ERROR
+        time += H
+    assert time != begin + 2.0
+    assert instance.step(time, H) == ERROR
+
+
+def test_a_clock_in_whole_nanoseconds(instance):
+    """As libcosim's: the last step of 2 s ends 40 ns late."""
     instance.slave.setupExperiment(startTime=0.0, stopTime=2.0)
     instance.slave.enterInitializationMode()
     instance.slave.exitInitializationMode()
-    time = 0.0
-    while time < 2.0 - H / 2:
-        assert instance.step(time, H) == OK
-        time += H
-    assert time != 2.0
-    assert instance.step(time, H) == ERROR
+    for k in range(120):
+        assert instance.step(k * 16_666_667e-9, 16_666_667e-9) == OK
+    assert instance.step(120 * 16_666_667e-9, H) == ERROR
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The call sequence of FMI 2.0.4, section 4.2.4, as one table: what is legal passes, what is not is refused.
+"""The native kind keeps to the table of the call sequence: what is legal passes, what is not is refused.
 
 After whatever was refused the instance is as it was, to the bit, and can be reset and run to the end.
 """
@@ -8,44 +8,8 @@ from math import nan
 
 import pytest
 
-from ..fmu.call_sequence import LAST_SUCCESSFUL_TIME, H, bring_to, call_with_good_arguments, cells
+from ..fmu.call_sequence import LAST_SUCCESSFUL_TIME, TABLE, H, bring_to, call_with_good_arguments, cells
 from ..fmu.instance import DISCARD, ERROR, OK, Instance
-
-# function: status in each of the PHASES; o = fmi2OK, d = fmi2Discard, E = fmi2Error
-TABLE = """
-    fmi2SetDebugLogging               o o o o o
-    fmi2SetupExperiment               o E E E E
-    fmi2EnterInitializationMode       o E E E E
-    fmi2ExitInitializationMode        E o E E E
-    fmi2Terminate                     E E o o E
-    fmi2Reset                         o o o o o
-    fmi2GetReal                       E o o o o
-    fmi2GetInteger                    E o o o o
-    fmi2GetBoolean                    E o o o o
-    fmi2GetString                     E o o o o
-    set_input                         o o o E E
-    set_fixed_parameter               o o E E E
-    fmi2SetInteger                    o o E E E
-    set_output                        E E E E E
-    fmi2SetBoolean                    o o o E E
-    fmi2SetString                     o o o E E
-    fmi2GetFMUstate                   o o o o o
-    fmi2SetFMUstate                   o o o o o
-    fmi2FreeFMUstate                  o o o o o
-    fmi2SerializedFMUstateSize        o o o o o
-    fmi2SerializeFMUstate             o o o o o
-    fmi2DeSerializeFMUstate           o o o o o
-    fmi2GetDirectionalDerivative      E E E E E
-    fmi2SetRealInputDerivatives       E E E E E
-    fmi2GetRealOutputDerivatives      E E E E E
-    fmi2DoStep                        E E o E E
-    fmi2CancelStep                    E E E E E
-    fmi2GetStatus                     E E d d d
-    fmi2GetRealStatus                 E E o o o
-    fmi2GetIntegerStatus              E E d d d
-    fmi2GetBooleanStatus              E E o o o
-    fmi2GetStringStatus               E E d d d
-"""
 
 CELLS = cells(TABLE, {"o": OK, "d": DISCARD, "E": ERROR})
 

@@ -13,6 +13,7 @@ bus into their Thevenin equivalent.
 from math import pi
 from typing import Annotated, List, NamedTuple
 
+from ..clock import NEVER, resolution
 from ..interface import INLINE, Enumeration, Real, Rule, Scalar
 from ..machines.data import Machine, reactance_rules
 from ..machines.two_axis import constants
@@ -23,9 +24,6 @@ STATES, P_M_E_F, P_M_V_T = 1, 2, 3
 
 MAX_STEP = 5e-4
 """s; a mode of 0.01 s (T'q0 x'q/xq) is still integrated to 1e-8, also in a fault."""
-
-AT_EVENT = 1e-9
-"""s; a communication point this close to an event is at the event, for a master that adds up its steps."""
 
 
 class Inputs(NamedTuple):
@@ -52,8 +50,8 @@ class Parameters(NamedTuple):
     e1d_start: Annotated[Scalar, Real("pu", "E'd at the start", min=-10.0, max=10.0)] = 0.4
     e1q_start: Annotated[Scalar, Real("pu", "E'q at the start", min=-10.0, max=10.0)] = 0.3
     V_t_start: Annotated[Scalar, Real("pu", "terminal voltage of the equilibrium", min=0.1, max=2.0)] = 1.0
-    t_fault: Annotated[Scalar, Real("s", "a three-phase fault at the terminal begins", min=0.0)] = 1e9
-    t_clear: Annotated[Scalar, Real("s", "the fault is cleared", min=0.0)] = 1e9
+    t_fault: Annotated[Scalar, Real("s", "a three-phase fault at the terminal begins")] = NEVER
+    t_clear: Annotated[Scalar, Real("s", "the fault is cleared")] = NEVER
     x_fault: Annotated[Scalar, Real("pu", "reactance of the fault", min=1e-4, max=1e2)] = 0.05
 
 
@@ -65,6 +63,7 @@ class Outputs(NamedTuple):
     e1d: Annotated[Scalar, Real("pu", "E'd, d-axis transient voltage")] = 0.0
     e1q: Annotated[Scalar, Real("pu", "E'q, q-axis transient voltage")] = 0.0
     E_f_start: Annotated[Scalar, Real("pu", "field voltage that the equilibrium at the start needs")] = 0.0
+    t_frame: Annotated[Scalar, Real("s", "time of these values on the simulation's clock")] = 0.0
 
 
 class Rotor(NamedTuple):
@@ -161,7 +160,7 @@ def thevenin(p: Parameters, inputs: Inputs, faulted: bool) -> Grid:
 
 def outputs(xp, p: Parameters, state: State, inputs: Inputs, t) -> Outputs:
     """The PMU frame and the true states at time t; at t_fault the fault is on, at t_clear it is off."""
-    now = t + AT_EVENT
+    now = t + resolution(xp, t)
     faulted = xp.logical_and(now >= p.t_fault, now < p.t_clear)
     grid = Grid(*[xp.where(faulted, f, h) for f, h in zip(thevenin(p, inputs, True), thevenin(p, inputs, False))])
     m, (delta, omega, e1d, e1q) = p.machine, state.rotor
@@ -177,7 +176,7 @@ def outputs(xp, p: Parameters, state: State, inputs: Inputs, t) -> Outputs:
         P_t=Vd * i.d + Vq * i.q,
         Q_t=Vq * i.d - Vd * i.q,
     )
-    return Outputs(frame, delta, load_angle, omega, e1d, e1q, state.E_f_start)
+    return Outputs(frame, delta, load_angle, omega, e1d, e1q, state.E_f_start, t)
 
 
 def from_field_voltage(xp, p: Parameters, inputs: Inputs) -> Rotor:

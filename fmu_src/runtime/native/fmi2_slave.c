@@ -38,10 +38,16 @@ typedef struct {
     void (*start)(const double *inputs, const double *parameters, double t, double *outputs, double *state);
     void (*step)(const double *inputs, const double *parameters, const double *state, double t, double h,
                  double *outputs, double *next_state); /* both at t + h */
+    void (*output)(const double *inputs, const double *parameters, const double *state, double t,
+                   double *outputs); /* where they depend on inputs directly, else NULL */
     int states;
 } Program;
 
 #include "model.h"
+
+/* Of a communication step: a master that adds up its steps, or counts in nanoseconds, may begin one this much off the
+   end of the last one, and end this much after stopTime. What is wrong is wrong by whole steps. */
+#define ON_TIME 1e-2
 
 enum {
     PARAMETERS = N_INPUTS,
@@ -68,7 +74,7 @@ static const char GUID[40] = MODEL_GUID;
 /* All that fmi2SetFMUstate brings back. */
 typedef struct {
     int64_t phase;
-    int64_t outdated; /* 1 while the outputs do not show the start that was set */
+    int64_t outdated; /* 1 where an input or a parameter has been set since the outputs were calculated */
     double time;
     double stop_time;
     double values[N_VALUES];
@@ -225,6 +231,20 @@ static fmi2Status initialize(Instance *instance) {
     return fmi2OK;
 }
 
+/* The outputs after an input has changed, where they depend on one directly. fmi2Discard if they cannot be calculated. */
+static fmi2Status recalculate(Instance *instance) {
+    Situation *now = &instance->now;
+    double *outputs = instance->results[0];
+    if (program(instance)->output) {
+        if (check_inputs(instance, fmi2Discard) != fmi2OK) return fmi2Discard;
+        program(instance)->output(now->values, now->values + PARAMETERS, now->values + STATES, now->time, outputs);
+        if (!all_finite(outputs, N_OUTPUTS)) return not_finite(instance, fmi2Discard, "the calculation of the outputs");
+        memcpy(now->values + OUTPUTS, outputs, N_OUTPUTS * sizeof(double));
+    }
+    now->outdated = 0;
+    return fmi2OK;
+}
+
 /* One communication step, divided where the model needs shorter ones. fmi2Discard if its result is not finite. */
 static fmi2Status advance(Instance *instance, double t, double h) {
     Situation *now = &instance->now;
@@ -244,6 +264,7 @@ static fmi2Status advance(Instance *instance, double t, double h) {
     }
     memcpy(now->values + OUTPUTS, outputs, (N_OUTPUTS + equations->states) * sizeof(double));
     now->time = t + h;
+    now->outdated = 0;
     return fmi2OK;
 }
 
@@ -367,7 +388,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
         return report(&instance->log, fmi2Error, "communicationStepSize = %.12g s is not allowed; it must be above 0 s",
                       h);
     }
-    tolerance = 1e-9 * fmax(fmax(1, fabs(t)), h); /* of a master that adds up its steps */
+    tolerance = fmax(ON_TIME * h, 8 * DBL_EPSILON * fabs(t));
     if (!(fabs(t - instance->now.time) <= tolerance)) {
         return report(&instance->log, fmi2Error, "currentCommunicationPoint = %.12g s is not allowed; the last step "
                       "ended at %.12g s", t, instance->now.time);
@@ -449,8 +470,11 @@ static fmi2Status get(fmi2Component c, const char *function, Type type, const fm
     if (expect(instance, INITIALIZATION | INITIALIZED, function) != fmi2OK) return fmi2Error;
     if (check_references(instance, function, type, references, count, values) != fmi2OK) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
-        if (VARIABLES[references[i]].role == OUTPUT && instance->now.outdated && initialize(instance) != fmi2OK) {
-            return fmi2Error;
+        if (VARIABLES[references[i]].role == OUTPUT && instance->now.outdated) {
+            fmi2Status status = fmi2OK;
+            if (instance->now.phase == INITIALIZATION) status = initialize(instance);
+            if (instance->now.phase == STEP_COMPLETE) status = recalculate(instance);
+            if (status != fmi2OK) return status;
         }
         if (type == REAL) {
             ((fmi2Real *)values)[i] = instance->now.values[references[i]];
@@ -483,7 +507,7 @@ static fmi2Status set(fmi2Component c, const char *function, Type type, const fm
         if (role != INPUT && !in_range(k, value)) return out_of_range(instance, fmi2Discard, k, value);
     }
     for (size_t i = 0; i < count; i++) instance->now.values[references[i]] = value_at(type, values, i);
-    if (instance->now.phase != STEP_COMPLETE) instance->now.outdated = 1;
+    if (count > 0) instance->now.outdated = 1;
     return fmi2OK;
 }
 

@@ -60,9 +60,9 @@ def sources(model: Model, guid: str) -> Dict[str, bytes]:
     Raises ValueError if an equation takes a function from elsewhere than the carrier, which makes it NaN.
     """
     functions = {name: program_functions(model, program) for name, program in model.programs.items()}
-    equations = [c_function(f"{f.name()}_{name}", f) for name, pair in functions.items() for f in pair]
+    equations = [c_function(f"{f.name()}_{name}", f) for name, group in functions.items() for f in group]
     equations.append(c_function("rules", rule_function(model)))
-    states = {name: step.numel_out("next_state") for name, (_, step) in functions.items()}
+    states = {name: step.numel_out("next_state") for name, (_, step, *_) in functions.items()}
     generated = {
         "fmi2_slave.c": RUNTIME.read_bytes(),
         "model.h": model_h(model, guid, states).encode(),
@@ -84,15 +84,19 @@ def as_written():
 
 @as_written()
 def program_functions(model: Model, program: Program) -> List[Function]:
-    """The program's start and step, with the arguments that fmi2_slave.c gives them."""
+    """The program's start and step, and its output if it has one, with the arguments that fmi2_slave.c gives them."""
     inputs, parameters, t, h = symbols_like(model.inputs), symbols_like(model.parameters), SX.sym("t"), SX.sym("h")
     given = {"inputs": inputs, "parameters": parameters}
     state, outputs = program.start(symbols, parameters, inputs, t)
     start = function("start", {**given, "t": t}, {"outputs": outputs, "state": state})
     state = symbols_like(state)
     next_state, outputs = program.step(symbols, parameters, state, inputs, t, h)
-    arguments = {**given, "state": state, "t": t, "h": h}
-    return [start, function("step", arguments, {"outputs": outputs, "next_state": next_state})]
+    of_state = {**given, "state": state, "t": t}
+    step = function("step", {**of_state, "h": h}, {"outputs": outputs, "next_state": next_state})
+    if program.output is None:
+        return [start, step]
+    outputs = program.output(symbols, parameters, state, inputs, t)
+    return [start, step, function("output", of_state, {"outputs": outputs})]
 
 
 @as_written()
@@ -134,9 +138,14 @@ def model_h(model: Model, guid: str, states: Dict[str, int]) -> str:
         states=max(states.values()),
         rules=len(messages),
         variables="\n".join(f"    {variable(port)}," for port in all_ports),
-        programs="\n".join(f"    {{start_{name}, step_{name}, {size}}}," for name, size in states.items()),
+        programs="\n".join(f"    {entry(model, name, size)}," for name, size in states.items()),
         messages="\n".join(f"    case {i}: {message(text, names)} break;" for i, text in enumerate(messages)),
     )
+
+
+def entry(model: Model, name: str, states: int) -> str:
+    output = f"output_{name}" if model.programs[name].output else "NULL"
+    return f"{{start_{name}, step_{name}, {output}, {states}}}"
 
 
 def variable(port: Port) -> str:

@@ -8,21 +8,29 @@ cannot be done is discarded.
 from __future__ import annotations
 
 import struct
-from math import ceil, isfinite
+from math import ceil, inf, isfinite
 from typing import Any, Callable
 from zlib import crc32
 
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import floats
+from ...pmu_observer.clock import EPSILON
 from ...pmu_observer.interface import broken, describe, range_errors
-from ..model import Model, Program
+from ..model import ON_TIME, Model, Program
 from ..ports import kind_of, ports
 
-INSTANTIATED, INITIALIZATION, STEP, TERMINATED = range(4)
-PHASES = ("instantiated", "in initialization mode", "in step mode", "terminated")
+INSTANTIATED, INITIALIZATION, STEP, FAILED, TERMINATED = range(5)
+PHASES = (
+    "instantiated",
+    "in initialization mode",
+    "in step mode",
+    "in step mode after a step that failed",
+    "terminated",
+)
 STATUS_DISCARD, STATUS_ERROR = 2, 3
-HEADER = struct.Struct("<8s32sBdII")  # magic, hash of the FMU, phase, time, numbers of values and of state leaves
-MAGIC = b"pmuobs01"
+HEADER = struct.Struct("<8s32sB?ddII")
+"""Magic, hash of the FMU, phase, outdated, time, stop time, numbers of values and of state leaves."""
+MAGIC = b"pmuobs02"
 CHECKSUM = struct.Struct("<I")
 
 
@@ -49,11 +57,12 @@ class ModelSlave:
         self.values: list[Any] = list(self.starts)
         self.phase = INSTANTIATED
         self.time = 0.0
+        self.stop_time = inf
         self.state: Any = None
         self.program: Program = next(iter(self.model.programs.values()))
         self.parameters = self.model.parameters
         self.refused: list[str] = []
-        self.outdated = True  # the outputs, in initialization mode
+        self.outdated = True  # an input or a parameter has been set since the outputs were calculated
 
     # Getting and setting -------------------------------------------------------------------------------------------
 
@@ -82,11 +91,17 @@ class ModelSlave:
         self._set("String", references, values)
 
     def _get(self, kind, references):
-        if self.phase == INITIALIZATION and self.outdated:
-            self._start()
+        self._expect((INITIALIZATION, STEP, FAILED, TERMINATED), f"fmi2Get{kind}")
+        if self.outdated and any(i >= self.end_of_parameters for i in references):
+            if self.phase == INITIALIZATION:
+                self._start()
+            elif self.phase == STEP:
+                self._recalculate()
         return [self.values[i] if self._has(kind, i) else 0 for i in references]
 
     def _set(self, kind, references, values):
+        if not self._expect((INSTANTIATED, INITIALIZATION, STEP), f"fmi2Set{kind}"):
+            return
         for i, value in zip(references, values):
             if self._has(kind, i) and self._may_set(i, value):
                 self.values[i] = value
@@ -101,10 +116,10 @@ class ModelSlave:
         return False
 
     def _may_set(self, i, value):
-        if i < self.end_of_inputs and self.phase != TERMINATED:
+        if i < self.end_of_inputs:
             return True
         (name, specification, _), causality, variability = self.ports[i]
-        if causality == "output" or self.phase == TERMINATED or (self.phase == STEP and variability == "fixed"):
+        if causality == "output" or (self.phase == STEP and variability == "fixed"):
             self._error(f"{name} ({variability} {causality}) cannot be set while the slave is {PHASES[self.phase]}")
             return False
         low, high = specification.min, specification.max
@@ -118,47 +133,67 @@ class ModelSlave:
     # The call sequence ---------------------------------------------------------------------------------------------
 
     def setup_experiment(self, start_time, stop_time=None, tolerance=None):
-        self.time = start_time
+        if not self._expect((INSTANTIATED,), "fmi2SetupExperiment"):
+            return
+        if not isfinite(start_time):
+            return self._error(f"startTime = {start_time:.12g} s is not allowed; it must be finite")
+        if stop_time is not None and not stop_time >= start_time:
+            return self._error(
+                f"stopTime = {stop_time:.12g} s is not allowed; it must be in [startTime = {start_time:.12g}, inf] s"
+            )
+        self.time, self.stop_time = start_time, inf if stop_time is None else stop_time
 
     def enter_initialization_mode(self):
-        if self._expect(INSTANTIATED, "fmi2EnterInitializationMode"):
+        if self._expect((INSTANTIATED,), "fmi2EnterInitializationMode"):
             self.phase = INITIALIZATION
 
     def exit_initialization_mode(self):
-        if self._expect(INITIALIZATION, "fmi2ExitInitializationMode"):
+        if self._expect((INITIALIZATION,), "fmi2ExitInitializationMode"):
             self._start()
-            self.phase = STEP
             for message in self.refused:
                 self._error(message)
+            if not self.refused:
+                self.phase = STEP
 
     def do_step(self, time, step_size):
-        if not self._expect(STEP, "fmi2DoStep"):
-            return False
         if self.refused:
             return self._discard(f"the step is not done, because {'; '.join(self.refused)}")
-        if not 0 < step_size < float("inf"):
+        if not self._expect((STEP,), "fmi2DoStep"):
+            return False
+        if not 0 < step_size < inf:
             return self._discard(f"communicationStepSize = {step_size:.12g} s is not allowed; it must be above 0 s")
-        if not abs(time - self.time) <= 1e-9 * max(1.0, abs(time), step_size):
+        tolerance = max(ON_TIME * step_size, 8 * EPSILON * abs(time))
+        if not abs(time - self.time) <= tolerance:
             return self._discard(
                 f"currentCommunicationPoint = {time:.12g} s is not where the last step ended, at {self.time:.12g} s"
+            )
+        if time + step_size > self.stop_time + tolerance:
+            return self._discard(
+                f"a step to {time + step_size:.12g} s is not allowed; stopTime = {self.stop_time:.12g} s"
             )
         try:
             state, outputs = self._advance(time, step_size)
         except (ArithmeticError, ValueError) as error:
-            return self._discard(f"the step is not done: {error}; {self._input_values()}")
+            return self._fail(f"the step is not done: {error}; {self._input_values()}")
         outputs = tree.leaves(outputs)
         if not (isfinite(sum(outputs)) and isfinite(sum(tree.changed(state, self.state)))):
-            return self._discard(f"the step is not done: its result is not finite; {self._input_values()}")
+            return self._fail(f"the step is not done: its result is not finite; {self._input_values()}")
         self.state = state
         self.values[self.end_of_parameters :] = outputs
         self.time = time + step_size
+        self.outdated = False
         return True
 
     def terminate(self):
-        self.phase = TERMINATED
+        if self._expect((STEP, FAILED), "fmi2Terminate"):
+            self.phase = TERMINATED
 
-    def _expect(self, phase, function):
-        if self.phase == phase:
+    def _fail(self, message):
+        self.phase = FAILED
+        return self._discard(message)
+
+    def _expect(self, phases, function):
+        if self.phase in phases:
             return True
         self._error(f"{function} is not allowed while the slave is {PHASES[self.phase]}")
         return False
@@ -199,6 +234,20 @@ class ModelSlave:
         else:
             self.refused = [f"there is no start: its outputs are not finite; {self._input_values()}"]
 
+    def _recalculate(self):
+        """The outputs after an input has changed, where they depend on one directly; those before where that fails."""
+        self.outdated = False
+        if self.program.output is None:
+            return
+        try:
+            shown = self.program.output(floats, self.parameters, self.state, self._inputs(), self.time)
+        except (ArithmeticError, ValueError) as error:
+            return self._error(f"the outputs are not calculated: {error}; {self._input_values()}")
+        outputs = tree.leaves(shown)
+        if not isfinite(sum(outputs)):
+            return self._error(f"the outputs are not calculated: they are not finite; {self._input_values()}")
+        self.values[self.end_of_parameters :] = outputs
+
     def _advance(self, time, step_size):
         steps = max(1, ceil(step_size / self.model.max_step - 1e-9))
         h = step_size / steps
@@ -212,7 +261,8 @@ class ModelSlave:
 
     def _get_fmu_state(self):
         leaves = [] if self.state is None else tree.leaves(self.state)
-        header = HEADER.pack(MAGIC, self.digest.encode(), self.phase, self.time, len(self.values), len(leaves))
+        sizes = len(self.values), len(leaves)
+        header = HEADER.pack(MAGIC, self.digest.encode(), self.phase, self.outdated, self.time, self.stop_time, *sizes)
         content = header + struct.pack(f"<{len(self.values) + len(leaves)}d", *self.values, *leaves)
         return content + CHECKSUM.pack(crc32(content))
 
@@ -220,21 +270,18 @@ class ModelSlave:
         content, checksum = state[: -CHECKSUM.size], state[-CHECKSUM.size :]
         if len(state) < HEADER.size or checksum != CHECKSUM.pack(crc32(content)):
             return self._error("the FMU state is damaged, and ignored")
-        magic, digest, phase, time, size, state_size = HEADER.unpack_from(content)
+        magic, digest, phase, outdated, time, stop_time, size, state_size = HEADER.unpack_from(content)
         if magic != MAGIC or digest != self.digest.encode() or size != len(self.values):
             return self._error("the FMU state is that of another FMU, and ignored")
         numbers = struct.unpack_from(f"<{size + state_size}d", content, HEADER.size)
         self.values = [int(v) if kind == "Integer" else v for v, kind in zip(numbers, self.kinds)]
-        self.outdated = True
-        self.state = None
+        self.state, self.refused = None, []
         if state_size:
             self._read_parameters()
-            self.refused = []
             self.program = self.model.program(self.parameters)
             shape, _ = self.program.start(floats, self.parameters, self.model.inputs, time)
             self.state = tree.like(shape, numbers[size:])
-            self.outdated = False
-        self.phase, self.time = phase, time
+        self.phase, self.outdated, self.time, self.stop_time = phase, outdated, time, stop_time
 
     @staticmethod
     def _fmu_state_to_bytes(state):

@@ -16,6 +16,8 @@ from typing import Annotated, Any, List, NamedTuple, Tuple
 import numpy as np
 
 from ... import tree
+from ...carriers import floats
+from ...clock import NEVER, resolution
 from ...interface import INLINE, Boolean, Integer, Real, Rule, Scalar
 from ...phasors import Frame
 from .. import ornstein_uhlenbeck
@@ -30,11 +32,6 @@ TICK = 1 / 60
 
 SUB_STEP, SUB_STEP_SALIENT = 1 / 240, 1 / 480
 """s; with x'q = 0.008 a fault at generator 10 makes a mode of 1.2 ms, which the longer one does not carry."""
-
-AT_EVENT = 1e-9
-"""s; a communication point this close to an event is at the event, for a master that adds up its steps."""
-
-NEVER = 1e9
 
 
 class Inputs(NamedTuple):
@@ -51,15 +48,15 @@ class Parameters(NamedTuple):
     step_bus: Annotated[Scalar, Integer("bus of the load step", min=1, max=39)] = 16
     step_P: Annotated[Scalar, Real("pu", "active power of the load step", min=-20.0, max=20.0)] = 0.5
     step_Q: Annotated[Scalar, Real("pu", "reactive power of the load step", min=-20.0, max=20.0)] = 0.1
-    t_step: Annotated[Scalar, Real("s", "the load step begins", min=0.0)] = NEVER
-    t_step_end: Annotated[Scalar, Real("s", "the load step ends", min=0.0)] = NEVER
+    t_step: Annotated[Scalar, Real("s", "the load step begins")] = NEVER
+    t_step_end: Annotated[Scalar, Real("s", "the load step ends")] = NEVER
     fault_bus: Annotated[Scalar, Integer("bus of the three-phase fault", min=1, max=39)] = 16
     x_fault: Annotated[Scalar, Real("pu", "reactance of the fault", min=1e-4, max=1e2)] = 1e-3
-    t_fault: Annotated[Scalar, Real("s", "the fault begins", min=0.0)] = NEVER
-    t_clear: Annotated[Scalar, Real("s", "the fault is cleared", min=0.0)] = NEVER
+    t_fault: Annotated[Scalar, Real("s", "the fault begins")] = NEVER
+    t_clear: Annotated[Scalar, Real("s", "the fault is cleared")] = NEVER
     trip_from: Annotated[Scalar, Integer("one end of the branch that trips, a bus", min=1, max=39)] = 16
     trip_to: Annotated[Scalar, Integer("its other end, a bus", min=1, max=39)] = 17
-    t_trip: Annotated[Scalar, Real("s", "the branch trips", min=0.0)] = NEVER
+    t_trip: Annotated[Scalar, Real("s", "the branch trips")] = NEVER
 
 
 class Generator(NamedTuple):
@@ -71,6 +68,7 @@ class Generator(NamedTuple):
     omega: Annotated[Scalar, Real("rad/s", "deviation from synchronous speed")] = 0.0
     e1d: Annotated[Scalar, Real("pu", "E'd, d-axis transient voltage")] = 0.0
     e1q: Annotated[Scalar, Real("pu", "E'q, q-axis transient voltage")] = 0.0
+    t_frame: Annotated[Scalar, Real("s", "time of these values on the simulation's clock")] = 0.0
 
 
 class Bus(NamedTuple):
@@ -110,14 +108,15 @@ def step(xp, p: Parameters, state: State, inputs: Inputs, t, h):
     """From t to t + h, from one change of the network to the next."""
     system, _ = equilibrium(p.governors, p.pss, p.salient)
     now, end = t, t + h
+    close = resolution(floats, end)
     tick, n, x = state.tick, np.array(state.loads), np.array(state.machines)
     while now < end:
         next_tick = state.t_start + (tick + 1) * TICK
         changes = (next_tick, p.t_step, p.t_step_end, p.t_fault, p.t_clear, p.t_trip)
-        stop = min([change for change in changes if now + AT_EVENT < change < end - AT_EVENT], default=end)
+        stop = min([change for change in changes if now + close < change < end - close], default=end)
         x = integrate(system, grid_at(p, n, now), x, stop - now)
         now = stop
-        if now > next_tick - AT_EVENT:
+        if now > next_tick - close:
             tick += 1
             n = varied(p, n, tick)
     state = packed(state.t_start, tick, n, x)
@@ -144,7 +143,7 @@ def varied(p: Parameters, n: np.ndarray, tick) -> np.ndarray:
 
 def grid_at(p: Parameters, n: np.ndarray, now) -> network.Reduction:
     """The network with the loads' deviations n and the events of time `now`, as the machines see it."""
-    now = now + AT_EVENT
+    now = now + resolution(floats, now)
     shunts = load_admittances().copy()
     shunts[LOADS] *= 1 + n
     if p.t_step <= now < p.t_step_end:
@@ -172,6 +171,7 @@ def outputs(p: Parameters, state: State, t):
     load_angle, power_angle = (np.angle(np.exp(1j * x.delta) * phasor.conj()) for phasor in (at.V, at.I))
     columns = [np.abs(at.V), x.delta - load_angle, np.abs(at.I), x.delta - power_angle, at.S.real, at.S.imag]
     columns += [system.setpoints.P_m + x.turbine, x.E_f, x.delta, load_angle, x.omega, x.e1d, x.e1q]
+    columns.append(np.full(len(GENERATORS), t))
 
     weight = system.machines.H / system.machines.H.sum()
     centre = weight @ x.delta
