@@ -39,6 +39,7 @@ def test_what_is_read_is_what_the_step_begins_with(folder):
     for channel in channels:
         channel.set(**PLANT)
         channel.initialise()
+    once: list[float] = []
     for k in range(20):
         for channel in channels:
             assert channel.step(k * H, H) == OK

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from fmu_src.pmu_observer import tree
 from fmu_src.pmu_observer.plants.ieee39.dynamics import States, derivative, equilibrium
 from fmu_src.pmu_observer.plants.ieee39.modes import electromechanical_modes
-from fmu_src.pmu_observer.plants.ieee39.plant import LOADS, Parameters, grid_at
+from fmu_src.pmu_observer.plants.ieee39.plant import LOADS, Outputs, Parameters, grid_at
 
 from .simulation import simulate
 
@@ -29,6 +30,7 @@ def test_it_starts_at_rest(governors, pss, salient):
 @pytest.mark.parametrize("governors", [1, 0])
 def test_it_stays_at_rest_for_a_minute(governors):
     outputs = simulate(60.0, governors=governors).outputs
+    outputs = outputs[:, [not name.endswith("t_frame") for name in tree.names(Outputs())]]
     assert np.abs(outputs - outputs[0]).max() < 1e-9
 
 

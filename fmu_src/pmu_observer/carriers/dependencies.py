@@ -12,7 +12,6 @@ class Dependent:
     """What a scalar depends on, as the bits of an integer."""
 
     __slots__ = ("bits",)
-    __hash__ = None
 
     def __init__(self, bits: int):
         self.bits = bits
