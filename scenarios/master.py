@@ -3,7 +3,7 @@
 Outputs that depend on inputs of the same instant (a PMU's) are read again after these have been set.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from time import perf_counter
@@ -36,6 +36,26 @@ def run(plan: Plan, progress: Callable[[float], None] = lambda done: None) -> Re
     Raises ScenarioError with the message of an FMU that refuses a value or a step.
     """
     scenario = plan.scenario
+    steps = scenario.index(scenario.stop)
+    rows = {instance: np.empty((steps + 1, len(instance.watched))) for instance in plan.instances}
+    start = perf_counter()
+    for index, outputs in enumerate(points(plan)):
+        start = start if index else perf_counter()  # the wall time is that of the stepping
+        for instance, values in outputs.items():
+            rows[instance][index] = list(values.values())
+        progress(index / steps)
+    wall_time = perf_counter() - start
+    time = np.array([scenario.time(index) for index in range(steps + 1)])
+    series = {i: dict(zip(sorted(i.watched), rows[i].T, strict=True)) for i in plan.instances}
+    return Results(plan, time, series, wall_time)
+
+
+def points(plan: Plan) -> Iterator[dict[Instance, dict[str, float]]]:
+    """The watched variables of all instances at the communication points, one after the other, from 0 s to `stop`.
+
+    Raises ScenarioError with the message of an FMU that refuses a value or a step.
+    """
+    scenario = plan.scenario
     with ExitStack() as open_slaves:
         slaves: dict[Instance, Slave] = {}
         for instance in plan.instances:
@@ -43,7 +63,6 @@ def run(plan: Plan, progress: Callable[[float], None] = lambda done: None) -> Re
             open_slaves.callback(slaves[instance].close)
         names = {instance: sorted(instance.watched) for instance in plan.instances}
         steps = scenario.index(scenario.stop)
-        rows = {instance: np.empty((steps + 1, len(names[instance]))) for instance in plan.instances}
 
         def read(instances: Iterable[Instance]) -> dict[Instance, dict[str, float]]:
             return {i: dict(zip(names[i], slaves[i].get(names[i]), strict=True)) for i in instances}
@@ -68,21 +87,12 @@ def run(plan: Plan, progress: Callable[[float], None] = lambda done: None) -> Re
             return outputs
 
         initialize(plan, slaves, read, feed)
-        start = perf_counter()
         for index in range(steps + 1):
-            for instance, values in exchange(index).items():
-                rows[instance][index] = list(values.values())
-            if index == steps:
-                break
-            t, end = scenario.time(index), scenario.time(index + 1)
-            for slave in slaves.values():
-                slave.step(t, end - t)
-            progress((index + 1) / steps)
-        wall_time = perf_counter() - start
-
-    time = np.array([scenario.time(index) for index in range(steps + 1)])
-    series = {i: dict(zip(names[i], rows[i].T, strict=True)) for i in plan.instances}
-    return Results(plan, time, series, wall_time)
+            yield exchange(index)
+            if index < steps:
+                t, end = scenario.time(index), scenario.time(index + 1)
+                for slave in slaves.values():
+                    slave.step(t, end - t)
 
 
 def initialize(plan: Plan, slaves: Mapping[Instance, Slave], read, feed) -> None:
