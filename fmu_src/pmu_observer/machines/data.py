@@ -1,4 +1,7 @@
-"""The data of a machine, and its bases."""
+"""The data of a machine, and its bases.
+
+One list of data for all models: each takes what it needs of it, and its rules look at nothing else.
+"""
 
 from math import pi
 from typing import Annotated, List, NamedTuple
@@ -10,7 +13,7 @@ class Machine(NamedTuple):
     """Physical data of a machine, per unit on one common base; the names are those of ANDES and OpenIPSL (1 = prime).
 
     The defaults are the machine of the paper's single-machine study. What its Table 1 leaves out is solved back
-    from the table's a2 and b2: xq = xd, x'q = x'd, T'q0 = 0.31 s.
+    from the table's a2 and b2: xq = xd, x'q = x'd, T'q0 = 0.31 s. The subtransient data are plausible, not the paper's.
     """
 
     H: Annotated[Scalar, Real("s", "inertia constant", min=1e-2, max=1e4)] = 23.64
@@ -31,6 +34,23 @@ class Machine(NamedTuple):
     Tq10: Annotated[Scalar, Real("s", "q-axis open-circuit transient time constant T'q0", min=1e-2, max=1e3)] = 0.31
     Ra: Annotated[Scalar, Real("pu", "stator resistance", min=0.0, max=1.0)] = 0.0
     omega_s: Annotated[Scalar, Real("rad/s", "synchronous speed", min=1.0, max=1e4, nominal=314.16)] = 314.16
+    xd2: Annotated[
+        Scalar,
+        Real("pu", "d-axis subtransient reactance x''d; not gentpj: x''q as well", min=1e-4, max=1e2),
+    ] = 0.05
+    xq2: Annotated[Scalar, Real("pu", "q-axis subtransient reactance x''q; gentpj only", min=1e-4, max=1e2)] = 0.05
+    xl: Annotated[Scalar, Real("pu", "leakage reactance; not two_axis", min=0.0, max=1e2)] = 0.03
+    Td20: Annotated[
+        Scalar, Real("s", "d-axis open-circuit subtransient time constant T''d0; not two_axis", min=1e-3, max=1e2)
+    ] = 0.03
+    Tq20: Annotated[
+        Scalar, Real("s", "q-axis open-circuit subtransient time constant T''q0; not two_axis", min=1e-3, max=1e2)
+    ] = 0.05
+    S10: Annotated[Scalar, Real("1", "saturation S(1.0) at a flux of 1 pu; 0: none", min=0.0, max=10.0)] = 0.0
+    S12: Annotated[Scalar, Real("1", "saturation S(1.2) at a flux of 1.2 pu", min=0.0, max=10.0)] = 0.0
+    Kis: Annotated[
+        Scalar, Real("pu", "flux that a current of 1 pu adds to the saturating one; gentpj only", min=0.0, max=10.0)
+    ] = 0.0
 
 
 def paper_smib() -> Machine:
@@ -54,6 +74,10 @@ def on_system_base(machine: Machine, S_n, S_base) -> Machine:
         xq=machine.xq * up,
         xq1=machine.xq1 * up,
         Ra=machine.Ra * up,
+        xd2=machine.xd2 * up,
+        xq2=machine.xq2 * up,
+        xl=machine.xl * up,
+        Kis=machine.Kis * up,
     )
 
 
