@@ -84,7 +84,7 @@ def test_every_real_has_a_unit_or_is_a_number(dist, name):
     description = read_model_description(dist / "python" / f"{name}.fmu")
     without = {v.name for v in description.modelVariables if v.type == "Real" and v.unit is None}
     numbers = {"drem.Delta", "tve", "innovation", "load_sigma", "degrees_of_freedom", "V_magnitude_bias"}
-    numbers |= {"I_magnitude_bias", "dropout", "gross_error_probability", "gross_error"}
+    numbers |= {"I_magnitude_bias", "dropout", "gross_error_probability", "gross_error", "S10", "S12"}
     assert {name for name in without if not name.startswith("overparameterised.")} <= numbers
 
 

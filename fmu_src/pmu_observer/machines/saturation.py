@@ -30,16 +30,18 @@ def quadratic(xp, S10, S12, psi) -> Saturation:
     return Saturation(S, (2 * above * root_B - S) / psi)
 
 
-def exponential(xp, S10, S12, psi) -> Saturation:
-    """S = S10 psi^X with X = log(S12/S10)/log 1.2 (GENSAE of PSS/E)."""
-    psi = xp.maximum(psi, LEAST_FLUX)
-    saturates = S10 > 0
-    X = xp.where(saturates, xp.log(xp.maximum(S12, 1e-9) / xp.where(saturates, S10, 1.0)) / LOG_1_2, 0.0)
-    S = S10 * xp.exp(X * xp.log(psi))
-    return Saturation(S, X * S / psi)
-
-
 LOG_1_2 = 0.1823215567939546
+"""log 1.2"""
+
+
+def exponential(xp, S10, S12, psi) -> Saturation:
+    """S = S10 psi^X with X = log(S12/S10)/log 1.2 (GENSAE of PSS/E); none for S10 below 1e-6."""
+    psi = xp.maximum(psi, LEAST_FLUX)
+    saturates = S10 > 1e-6
+    X = xp.where(saturates, xp.log(xp.maximum(S12, 1e-6) / xp.where(saturates, S10, 1.0)) / LOG_1_2, 0.0)
+    # e^50 for a wild frame
+    S = xp.where(saturates, S10 * xp.exp(xp.minimum(X * xp.log(psi), 50.0)), 0.0)
+    return Saturation(S, X * S / psi)
 
 
 def saturation_rule(m: Machine) -> Rule:
