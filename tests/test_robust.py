@@ -10,17 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from fmu_src.pmu_observer import noise, observer, phasors, sampling, tree
+from fmu_src.pmu_observer import gaussian, noise, observer, phasors, sampling, tree
 from fmu_src.pmu_observer.angle import Covariance
 from fmu_src.pmu_observer.carriers import arrays, floats, symbols
-from fmu_src.pmu_observer.estimators import kalman
 from fmu_src.pmu_observer.linear import Vector
 from fmu_src.pmu_observer.machines.data import ieee39_g6
 from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.phasors import Frame, Measurement
 from fmu_src.pmu_observer.plants import smib
-from fmu_src.pmu_observer.speed import Rotor, RotorCovariance
 from fmu_src.pmu_observer.speed import kalman as speed
+from fmu_src.pmu_observer.speed.rotor import ACCELERATION_WALK, Rotor, RotorCovariance, motion
+from fmu_src.pmu_observer.speed.rotor import predict as predict_rotor
 from scenarios.studies import frames, machines
 
 C = constants(ieee39_g6())
@@ -46,10 +46,10 @@ def a_gaussian(rng):
     root = rng.normal(size=(3, 3)) * [0.05, 0.05, 0.3]
     P = root @ root.T
     covariance = Covariance(P[0, 0], P[0, 1], P[1, 1], P[0, 2], P[1, 2], P[2, 2])
-    return kalman.Gaussian(Vector(0.58, 1.04), 2.2, covariance)
+    return gaussian.Gaussian(Vector(0.58, 1.04), 2.2, covariance)
 
 
-def by_nu(t: kalman.Transition, nu, x):
+def by_nu(t: gaussian.Transition, nu, x):
     """The error of A that an error of nu makes, times x, over the time in t; with what decays in an interval."""
     b2, b1 = t.b
     assert (b2, b1) == pytest.approx((C.b2, C.b1), rel=0.1)
@@ -79,8 +79,8 @@ def test_what_noise_does_to_the_signals():
 def test_prediction_is_that_of_a_dense_kalman_filter(seed):
     """E_f as a third state: the augmented matrix exponential. Simpson's rule for its column costs below 1e-9."""
     v, t = a_gaussian(np.random.default_rng(seed)), an_interval(E_f_known=0.0, tve=0.001)
-    transition = kalman.transition(floats, C, t, 0.0, 0.0)
-    predicted = kalman.predict(floats, transition, v, 1e-4)
+    transition = gaussian.transition(floats, C, t)
+    predicted = gaussian.predict(floats, transition, v, 1e-4)
     A = (np.array(t.before.A).reshape(2, 2) + np.array(t.after.A).reshape(2, 2)) / 2
     augmented = np.zeros((3, 3))
     augmented[:2, :2] = A
@@ -96,8 +96,8 @@ def test_prediction_is_that_of_a_dense_kalman_filter(seed):
 def test_direction_changes_its_error_by_what_moves_x():
     """The covariance of the change e+ - e of arg x's error, e+ = w^T (F e_x + noise), e = v^T e_x, in a fault."""
     v, t = a_gaussian(np.random.default_rng(1)), an_interval(tve=0.001)
-    transition = kalman.transition(floats, C, t, 1.0, 0.0)
-    after = kalman.predict(floats, transition, v, 0.0)
+    transition = gaussian.transition(floats, C, t)
+    after = gaussian.predict(floats, transition, v, 0.0)
     F = expm((np.array(t.before.A).reshape(2, 2) + np.array(t.after.A).reshape(2, 2)) / 2 * H)
     n = by_nu(transition, transition.jump, v.x)
     assert n @ n > 0  # the interval has a jump
@@ -105,14 +105,14 @@ def test_direction_changes_its_error_by_what_moves_x():
     gradients = [np.array([-x.q, x.d]) / (x.d**2 + x.q**2) for x in (v.x, after.x)]
     moved = F.T @ gradients[1] - gradients[0]
     expected = moved @ dense(v.P)[:2, :2] @ moved + gradients[1] @ Q @ gradients[1]
-    assert kalman.turn_variance(transition, v, after) == pytest.approx(expected, rel=1e-6)
+    assert gaussian.turn_variance(transition, v, after) == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
     """With a noise that is in the prediction too: C = E[e_x e_y]."""
     v, R = a_gaussian(np.random.default_rng(seed)), 1e-3
-    t = kalman.transition(floats, C, an_interval(E_f_known=0.0, tve=0.001), 0.0, 0.0)
+    t = gaussian.transition(floats, C, an_interval(E_f_known=0.0, tve=0.001))
     P, x = dense(v.P), np.array([*v.x, v.E_f])
     Hessian = np.diag([2.0, 2.0, 0.0])
     Y1 = x[:2] @ x[:2] + 0.01
@@ -122,7 +122,7 @@ def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
     S = gradient @ P @ gradient - 2 * gradient @ common + np.trace(Hessian @ P @ Hessian @ P) / 2 + R
     assert r * r < 9 * S  # else the gain is limited
     K = (P @ gradient - common) / S
-    updated = kalman.update(floats, t, v, kalman.Circle(Y1, R, held=0.0))
+    updated = gaussian.update(floats, t, v, gaussian.Circle(Y1, R))
     np.testing.assert_allclose([*updated.gaussian.x, updated.gaussian.E_f], x + K * r, rtol=1e-12)
     np.testing.assert_allclose(dense(updated.gaussian.P), P - np.outer(K, K) * S, rtol=1e-12, atol=1e-15)
     assert updated.innovation == pytest.approx(r / np.sqrt(S), rel=1e-12)
@@ -133,8 +133,8 @@ def test_update_is_that_of_a_dense_second_order_kalman_filter(seed):
 def test_an_outlier_moves_the_estimate_by_a_bounded_amount(excess):
     """The gain P H^T/max(S, r^2/9) times r is at most 3 P H^T/sqrt(S)... and never makes P indefinite."""
     v = a_gaussian(np.random.default_rng(1))
-    t = kalman.transition(floats, C, an_interval(E_f_known=0.0, tve=0.001), 0.0, 0.0)
-    updated = kalman.update(floats, t, v, kalman.Circle(v.x.d**2 + v.x.q**2 + excess, 1e-3, held=0.0)).gaussian
+    t = gaussian.transition(floats, C, an_interval(E_f_known=0.0, tve=0.001))
+    updated = gaussian.update(floats, t, v, gaussian.Circle(v.x.d**2 + v.x.q**2 + excess, 1e-3)).gaussian
     P, gradient = dense(v.P), np.array([2 * v.x.d, 2 * v.x.q, 0.0])
     common = np.append(by_nu(t, t.common, np.array(v.x)), 0.0)
     S = gradient @ P @ gradient - 2 * gradient @ common + 1e-3
@@ -150,7 +150,7 @@ def test_an_outlier_moves_the_estimate_by_a_bounded_amount(excess):
 def test_motion_is_the_matrix_exponential(a0, h):
     r"""Of delta' = omega, omega' = -a0 omega + f; the series below a0 h = 1e-3 is exact to 1e-7 of its h^2 (z^2/24)."""
     F = expm(np.array([[0, 1, 0], [0, -a0, 1], [0, 0, 0]]) * h)
-    m = speed.motion(floats, a0, h)
+    m = motion(floats, a0, h)
     np.testing.assert_allclose([m.t, m.w, m.E, m.v], [F[0, 1], F[0, 2], F[1, 1], F[1, 2]], rtol=2e-7, atol=1e-12)
 
 
@@ -163,7 +163,7 @@ def test_speed_filter_is_a_dense_kalman_filter(residual):
     P = root @ root.T
     covariance = RotorCovariance(P[0, 0], P[0, 1], P[1, 1], P[0, 2], P[1, 2], P[2, 2])
     rotor = Rotor(0.9, 0.05, 6.4, covariance)
-    predicted = speed.predict(floats, c, rotor, t, rotor.P_m, False)
+    predicted = predict_rotor(floats, c, rotor, t, rotor.P_m, False)
     F = expm(np.array([[0, 1, 0], [0, -c.a0, c.b0], [0, 0, 0]]) * H)
     P_mean = (t.before.measured.P + t.after.measured.P) / 2
     x = F @ [0.9, 0.05, 6.4] - F[:, 2] * P_mean + [0, 0, P_mean]
@@ -171,7 +171,7 @@ def test_speed_filter_is_a_dense_kalman_filter(residual):
     variance = (after.tve * after.V * after.I) ** 2 + t.jump.P**2 / 4
     Q = np.outer(F[:, 2], F[:, 2]) * variance
     Q[2, :] = Q[:, 2] = 0
-    Q[2, 2] = speed.ACCELERATION_WALK**2 * H / c.b0**2
+    Q[2, 2] = ACCELERATION_WALK**2 * H / c.b0**2
     P = F @ P @ F.T + Q
     np.testing.assert_allclose(predicted[:3], x, rtol=1e-9)
     q = predicted.covariance

@@ -26,6 +26,7 @@ class Estimate(NamedTuple):
     x: Vector  # (E'd, E'q), pu
     covariance: Covariance = Covariance()
     E_f: Scalar = 0.0  # pu, if the estimator has one
+    E_f_walk: Scalar = 0.0  # pu^2/s, the variance that an estimated E_f gains
     innovation: Scalar = 0.0  # of the last frame, in standard deviations
     capturing: Scalar = 0.0  # 1 while several values of x are still possible
     turn: Scalar = 0.0  # rad, by which the last frame corrected the direction of x

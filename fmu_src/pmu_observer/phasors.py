@@ -19,6 +19,12 @@ LOWEST_Y1 = 1e-4
 HIGHEST_Y1 = 1e2
 """pu^2; and of less than 10 pu."""
 
+NO_CURRENT = 0.02
+"""Of V/x'; a current below it may be noise, and contradicts nothing."""
+
+CONTRADICTION = 0.5
+"""Of the larger of two values for the same thing; a gross error of one phasor by 50 % makes no frame useless."""
+
 
 class Frame(NamedTuple):
     """A PMU frame at the generator terminal; both angles in one reference frame, P + jQ generated."""
@@ -32,10 +38,7 @@ class Frame(NamedTuple):
 
 
 class Measurement(NamedTuple):
-    """What the equations use of a frame and of the machine's inputs, and how far it is to be trusted.
-
-    A Frame is redundant: phi is not used.
-    """
+    """What the equations use of a frame and of the machine's inputs, and how far it is to be trusted."""
 
     theta: Scalar  # y1, rad
     V: Scalar  # y2, pu
@@ -46,7 +49,6 @@ class Measurement(NamedTuple):
     E_f: Scalar  # u2, pu
     tve: Scalar = 0.01  # assumed noise: E|n|^2 = (tve |.|)^2 on each of the phasors V and I
     E_f_known: Scalar = 1.0  # 0 where E_f is only an estimate
-    held: Scalar = 0.0  # 1 where no usable frame came, and the last one was turned on in its place
 
 
 class Signals(NamedTuple):
@@ -61,25 +63,45 @@ class Signals(NamedTuple):
 
 
 def measurement(xp, frame: Frame, P_m, E_f, from_phasors) -> Measurement:
-    """P and Q from their own inputs, or from the phasors: P + jQ = V I e^{j (theta - phi)}."""
-    S = frame.V_t * frame.I_t
-    lag = frame.theta_t - frame.phi_t
+    """P and Q from their own inputs, or from the phasors."""
+    P, Q = power(xp, frame)
     return Measurement(
         theta=frame.theta_t,
         V=frame.V_t,
         I=frame.I_t,
-        P=xp.where(from_phasors, S * xp.cos(lag), frame.P_t),
-        Q=xp.where(from_phasors, S * xp.sin(lag), frame.Q_t),
+        P=xp.where(from_phasors, P, frame.P_t),
+        Q=xp.where(from_phasors, Q, frame.Q_t),
         P_m=P_m,
         E_f=E_f,
     )
 
 
-def is_finite(xp, values):
+def power(xp, frame: Frame):
+    """P + jQ = V conj(I) = V I e^{j (theta - phi)}."""
+    S, lag = frame.V_t * frame.I_t, frame.theta_t - frame.phi_t
+    return S * xp.cos(lag), S * xp.sin(lag)
+
+
+def power_mismatch(xp, c: Constants, frame: Frame, m: Measurement):
+    """|P + jQ - V conj(I)|/|V I|: what P and Q, and the phasors, say of each other; 0 where they are one and the same.
+
+    An idle machine's current is noise: |V I| below 2 % of V^2/x' counts as that.
+    """
+    P, Q = power(xp, frame)
+    least = NO_CURRENT / c.x * frame.V_t * frame.V_t
+    re, im = m.P - P, m.Q - Q
+    return xp.sqrt(re * re + im * im) / xp.maximum(frame.V_t * frame.I_t, least)
+
+
+ABSURD = 1e9
+"""In any of the project's units."""
+
+
+def is_finite(xp, values, limit=ABSURD):
     """False if one of the scalars is a NaN, infinite or absurd: `|x| < limit` is false for NaN on every carrier."""
-    finite = xp.abs(values[0]) < 1e9
+    finite = xp.abs(values[0]) < limit
     for value in values[1:]:
-        finite = xp.logical_and(finite, xp.abs(value) < 1e9)
+        finite = xp.logical_and(finite, xp.abs(value) < limit)
     return finite
 
 
@@ -123,11 +145,12 @@ def signals(xp, c: Constants, m: Measurement) -> Signals:
 def is_consistent(xp, c: Constants, s: Signals):
     """False where a frame contradicts itself: |I| is not that of P and Q, or |E'|^2 of V, |I|, Q not that of V, P, Q.
 
-    By more than half; currents below 2 % of V/x' do not count. False too where no machine has such an internal voltage.
+    Where the difference is a CONTRADICTION; currents below NO_CURRENT do not count. False too where no machine has such
+    an internal voltage.
     """
     m, from_power = s.measured, s.Y2 * s.Y2 + s.Y3 * s.Y3
     xI, xI_from_power = c.x * m.I, c.x * xp.sqrt(m.P * m.P + m.Q * m.Q) / m.V
     plausible = xp.logical_and(s.Y1 > LOWEST_Y1, s.Y1 < HIGHEST_Y1)
-    same_current = xp.abs(xI - xI_from_power) < 0.5 * xp.maximum(xI, xI_from_power) + 0.02 * m.V
-    same_voltage = xp.abs(from_power - s.Y1) < 0.5 * xp.maximum(from_power, s.Y1)
+    same_current = xp.abs(xI - xI_from_power) < CONTRADICTION * xp.maximum(xI, xI_from_power) + NO_CURRENT * m.V
+    same_voltage = xp.abs(from_power - s.Y1) < CONTRADICTION * xp.maximum(from_power, s.Y1)
     return xp.logical_and(plausible, xp.logical_and(same_current, same_voltage))

@@ -1,4 +1,7 @@
-"""One frame to the next: what every estimator needs of the interval [t-, t] that the frame at t closes."""
+"""One frame to the next: what every estimator needs of the interval [t-, t] that the frame at t closes.
+
+An interval may be of any length: frames that are lost or not believed make a longer one, and so does a slow PMU.
+"""
 
 from typing import NamedTuple
 
@@ -8,16 +11,37 @@ from .linear import Complex, Propagation, propagation
 from .machines.two_axis import Constants
 from .phasors import Signals
 
+SEEN = 0.1
+"""s; over longer than this, what happened between two frames cannot be concluded from them: swings last 0.5 to 2 s."""
+
+JUMP = 28.0
+"""Variances of nu's noise beyond which a change is a jump: changes have 2 of them, so that noise alone gets there once
+in a million frames (e^-14)."""
+
+SHORTEST = 1e-3
+"""s; PMUs are not faster, but a master may hand over two frames at nearly the same instant."""
+
+LEAST_JUMP2 = 1e-6
+"""The square of a change of nu below which it is none, whatever the noise."""
+
 
 class Change(NamedTuple):
-    """What the equations take as linear in time between two frames."""
+    """How fast, on average over an interval, what the equations take as linear in time has changed."""
 
-    nu: Complex = Complex(0.0, 0.0)
-    P: Scalar = 0.0  # pu
-    E_f: Scalar = 0.0  # pu
+    nu: Complex = Complex(0.0, 0.0)  # 1/s
+    P: Scalar = 0.0  # pu/s
+    E_f: Scalar = 0.0  # pu/s
 
 
 STEADY = Change()
+
+
+class Jump(NamedTuple):
+    """What changed at an unknown instant between two frames, and not linearly; zero in quiet times."""
+
+    nu: Complex
+    P: Scalar  # pu
+    E_f: Scalar  # pu
 
 
 class Interval(NamedTuple):
@@ -25,45 +49,59 @@ class Interval(NamedTuple):
     after: Signals  # the frame at t
     h: Scalar  # s, t - t-
     flow: Propagation  # of (x3, x4) from t- to t
-    jump: Change  # what changed at an unknown instant between the frames, and not linearly; zero in quiet times
+    jump: Jump
 
 
 def interval(xp, c: Constants, before: Signals, after: Signals, h, last: Change = STEADY) -> Interval:
     """The interval with A and E_f linear between its two frames: second order in h. `last` is the change before it."""
     forcing0, forcing1 = c.c1 * before.measured.E_f, c.c1 * after.measured.E_f
     flow = propagation(xp, before.A, after.A, forcing0, forcing1, h)
-    return Interval(before, after, h, flow, jump(xp, after, change(before, after), last))
+    return Interval(before, after, h, flow, jump(xp, before, after, h, last))
 
 
-def change(before: Signals, after: Signals) -> Change:
+def change(xp, before: Signals, after: Signals, h) -> Change:
+    per_second = 1 / xp.maximum(h, SHORTEST)
     return Change(
-        Complex(after.nu.re - before.nu.re, after.nu.im - before.nu.im),
-        after.measured.P - before.measured.P,
-        after.measured.E_f - before.measured.E_f,
+        Complex((after.nu.re - before.nu.re) * per_second, (after.nu.im - before.nu.im) * per_second),
+        (after.measured.P - before.measured.P) * per_second,
+        (after.measured.E_f - before.measured.E_f) * per_second,
     )
 
 
-def jump(xp, s: Signals, now: Change, last: Change) -> Change:
+def jump(xp, before: Signals, after: Signals, h, last: Change) -> Jump:
     """The part of a change that is neither noise nor the going on of the last one: a fault, its clearing, a switching.
 
-    |jump|^2 = min(|dnu|^2, |d2nu|^2), if |dnu|^2 and |d2nu|^2/3 are beyond 28 variances of nu's noise; they have 2, so
-    that noise alone gets there once in a million frames. E_f has no noise.
+    |jump|^2 = min(|dnu|^2, |d2nu|^2), if |dnu|^2 and |d2nu|^2/3 are beyond JUMP variances of nu's noise: d2nu has three
+    times the variance of dnu. What went on for longer than SEEN is not expected to go on. E_f has no noise.
     """
-    size2 = now.nu.re * now.nu.re + now.nu.im * now.nu.im
-    bend_re, bend_im = now.nu.re - last.nu.re, now.nu.im - last.nu.im
+    on = xp.minimum(h, SEEN)
+    re, im = after.nu.re - before.nu.re, after.nu.im - before.nu.im
+    bend_re, bend_im = re - on * last.nu.re, im - on * last.nu.im
+    size2 = re * re + im * im
     bend2 = bend_re * bend_re + bend_im * bend_im
-    jump2 = xp.minimum(size2, bend2)
-    jumped = xp.minimum(size2, bend2 / 3) > 28 * noise.of_nu(s) + 1e-6
-    scale = xp.where(jumped, xp.sqrt(jump2 / xp.maximum(size2, 1e-12)), 0.0)
+    jumped = xp.minimum(size2, bend2 / 3) > JUMP * noise.of_nu(after) + LEAST_JUMP2
+    scale = xp.where(jumped, xp.sqrt(xp.minimum(size2, bend2) / xp.maximum(size2, 1e-12)), 0.0)
 
-    def smaller(change, last_change):
-        return xp.minimum(xp.abs(change), xp.abs(change - last_change))
+    def smaller(difference, last_rate):
+        return xp.minimum(xp.abs(difference), xp.abs(difference - on * last_rate))
 
-    return Change(
-        Complex(scale * now.nu.re, scale * now.nu.im),
-        xp.where(jumped, smaller(now.P, last.P), 0.0),
-        smaller(now.E_f, last.E_f),
+    return Jump(
+        Complex(scale * re, scale * im),
+        xp.where(jumped, smaller(after.measured.P - before.measured.P, last.P), 0.0),
+        smaller(after.measured.E_f - before.measured.E_f, last.E_f),
     )
+
+
+def ahead(xp, c: Constants, s: Signals, h, last: Change) -> Interval:
+    """The interval of length h that begins with a frame, with that frame held.
+
+    The estimators take Y1, A and P of the frame on. What changed over the last interval may do so again, unseen.
+    """
+    forcing = c.c1 * s.measured.E_f
+    flow = propagation(xp, s.A, s.A, forcing, forcing, h)
+    on = xp.minimum(h, SEEN)
+    unseen = Jump(Complex(on * last.nu.re, on * last.nu.im), on * last.P, on * last.E_f)
+    return Interval(s, s, h, flow, unseen)
 
 
 def half_steps(xp, correct, propagate, interval: Interval, state):

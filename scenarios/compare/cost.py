@@ -13,6 +13,7 @@ from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.estimators import ESTIMATORS
 from fmu_src.pmu_observer.machines.data import Machine
 from fmu_src.pmu_observer.machines.two_axis import constants
+from fmu_src.pmu_observer.phasors import Frame
 
 from .. import study
 from ..fmu import Fmu
@@ -37,7 +38,7 @@ def measure() -> dict[str, float]:
     noisy = runs.noisy(truth, (TVE,), 1, 1)
     V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
     inputs = [
-        observer.Inputs(observer.Frame(*map(float, frames.frame(v, i))), float(P_m), float(E_f))
+        observer.Inputs(Frame(*map(float, frames.frame(v, i))), float(P_m), float(E_f))
         for v, i, P_m, E_f in zip(V, I, truth.P_m, truth.E_f, strict=False)
     ]
     fmus = {"Python FMU": study.built("cost", "PmuObserver")}
@@ -69,7 +70,7 @@ def bare(name: str, m: Machine, inputs: list[observer.Inputs], counts: Callable 
 
 
 def rests(state: observer.State) -> bool:
-    return state.estimator.supervision.age + PERIOD <= 0
+    return state.estimator.supervision.awake <= 0
 
 
 def through_fmu(path: Path, m: Machine, inputs: list[observer.Inputs]) -> float:

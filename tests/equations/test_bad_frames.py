@@ -33,7 +33,7 @@ def spoilt(i, **values):
 
 
 BAD = {
-    **{f"{name} NaN": {name: nan} for name in ("V_t", "theta_t", "I_t", "phi_t", "P_t", "Q_t", "P_m", "E_f")},
+    **{f"{name} NaN": {name: nan} for name in ("V_t", "theta_t", "I_t", "P_t", "Q_t", "P_m", "E_f")},
     **{f"{name} inf": {name: inf} for name in ("V_t", "theta_t", "I_t", "P_t", "E_f")},
     "P -inf": {"P_t": -inf},
     "V zero": {"V_t": 0.0},

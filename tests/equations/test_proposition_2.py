@@ -13,6 +13,7 @@ from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.estimators import gradient
 from fmu_src.pmu_observer.linear import Vector
 from fmu_src.pmu_observer.machines.two_axis import constants
+from fmu_src.pmu_observer.prediction import predict
 from fmu_src.pmu_observer.speed import adaptive
 
 from . import reference
@@ -114,7 +115,7 @@ def test_one_prediction():
     for h in (4e-3, 2e-3):
         solution = reference.solve(MOVING_CASE, [0.0, h])
         state = started_from_truth(p, inputs_along(MOVING_CASE, solution)[0], MOVING_CASE, h)
-        outputs = observer.predict("gradient", floats, p, p.machine, constants(p.machine), state)
+        outputs = predict("gradient", floats, p, constants(p.machine), state)
         found.append(np.abs(shown([outputs])[0] - solution.machine[:, -1]))
     np.testing.assert_allclose(found[0] / found[1], [8, 4, 4, 4], rtol=0.1)
 
@@ -128,15 +129,17 @@ def test_adaptive_speed_observer():
     solution = reference.solve(case, TIMES, continuous)
     expected = np.column_stack([solution.observer[0] + K * solution.machine[0], *solution.observer[8:]])
     inputs = inputs_along(case, solution)
-    p = parameters_of(case.machine, "gradient")._replace(k_speed=K, speed_observer=observer.ADAPTIVE, adaptive=gains)
+    p = parameters_of(case.machine, "gradient")._replace(k_speed=K, speed_observer=2)
+    p = p._replace(speed=p.speed._replace(adaptive=gains))
     largest = []
     for stride in STRIDES:
         h, frames = stride * FINEST, inputs[::stride]
-        state = started_from_truth(p, frames[0], case, h)._replace(adaptive=adaptive.State(a0=1.0, b0=5.0))
+        state = started_from_truth(p, frames[0], case, h)
+        state = state._replace(speed=state.speed._replace(adaptive=adaptive.State(a0=1.0, b0=5.0)))
         found = []
         for k, frame in enumerate(frames[1:], 1):
             state, _ = observer.step("gradient", floats, p, state, frame, k * h, h)
-            found.append([state.rotor.omega, state.adaptive.a0, state.adaptive.b0])
+            found.append([state.rotor.omega, state.speed.adaptive.a0, state.speed.adaptive.b0])
         largest.append(np.abs(np.array(found) - expected[::stride][1:]).max(axis=0))
     coarse, middle, fine = largest
     np.testing.assert_allclose(coarse / middle, 4, rtol=0.15)

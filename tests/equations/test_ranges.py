@@ -71,11 +71,12 @@ def messages(rules, values):
     return broken(rules, {variable.name: value for variable, value in zip(variables(values), tree.leaves(values))})
 
 
-@pytest.mark.parametrize(("small", "large"), [("xd1", "xd"), ("xq1", "xq")])
+@pytest.mark.parametrize(("small", "large"), [("xd1", "xd"), ("xq1", "xq"), ("xd1", "xq")])
 def test_a_transient_reactance_is_not_above_the_synchronous_one(small, large):
-    p = observer.Parameters().machine._replace(**{small: 0.2})
+    """Nor x'd above xq: b2 would be negative."""
+    p = observer.Parameters().machine._replace(xd=1.0, xq=1.0, xd1=0.1, xq1=0.1)._replace(**{small: 0.2, large: 0.15})
     (message,) = messages(reactance_rules(p), p)
-    assert message.startswith(f"{small} = 0.2 ") and f"{large} = 0.14" in message
+    assert message.startswith(f"{small} = 0.2 ") and f"{large} = 0.15" in message
     assert messages(reactance_rules(p._replace(**{large: 0.2})), p) == []
 
 

@@ -7,7 +7,8 @@ from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.phasors import measurement, signals
 from fmu_src.pmu_observer.sampling import interval
-from fmu_src.pmu_observer.speed import Rotor, adaptive, immersion_invariance
+from fmu_src.pmu_observer.speed import adaptive, immersion_invariance
+from fmu_src.pmu_observer.speed.rotor import Rotor
 
 from . import reference
 from .reference import MOVING_CASE
@@ -32,7 +33,7 @@ def unknown(state, span, turn):
 
 
 def calibrate(state, span, turn):
-    return adaptive.step(floats, CALIBRATION, state, span, turn)
+    return adaptive.calibrate(floats, CALIBRATION, state, span, turn)
 
 
 def omega(z, x):

@@ -11,14 +11,13 @@ There is no gain to choose: `tve`, the assumed noise of the phasors, settles eve
 
 from collections import namedtuple
 from math import cos, pi, sin
-from typing import Any, List, NamedTuple, Tuple
+from typing import Annotated, Any, List, NamedTuple
 
 from .. import noise
 from ..angle import Covariance, Estimate, direction_variance, rotor_angle
-from ..interface import Scalar
+from ..gaussian import Circle, Gaussian, Transition, Updated, circle_of, predict, transition, turn_variance, update
+from ..interface import Integer, Scalar
 from ..linear import Vector
-from . import kalman
-from .kalman import Circle, Gaussian, Updated
 
 SIZE = 24
 """Hypotheses; 8 capture a wrong well in 4 % of random machines, 24 in less than 0.1 %."""
@@ -36,6 +35,12 @@ CAPTURE_SPREAD, RIVAL_DISTANCE, RIVAL_LEAD = 0.03, 0.1, 12.5
 """Captured: the mixture's standard deviation is below 0.03 |E'|, and the best hypothesis leads all that are farther
 from it than 0.1 |E'| by 12.5 in log-likelihood."""
 
+LEAST_E_F, EXCLUDED = -0.5, -1e6
+"""pu: no machine in operation has a lower field voltage; and the log-likelihood of what is no candidate."""
+
+LEAST_EXPONENT = -700.0
+"""e to the power of less is not a normal number."""
+
 TAKEOVER_LEAD, TAKEOVER_DISTANCE, TAKEOVER_MAHALANOBIS2 = 25.0, 0.05, 25.0
 """The bank replaces the tracker: it leads by 25 in log-likelihood and is farther off than 0.05 |E'| and than 5 standard
 deviations. (Comparing the estimates alone takes over wrongly.)"""
@@ -46,7 +51,12 @@ class Parameters(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    pass
+    takeovers: Annotated[
+        Scalar,
+        Integer(
+            "how often the bank has replaced the tracking filter since the first capture: it was in a wrong well", min=0
+        ),
+    ] = 0
 
 
 class Hypothesis(NamedTuple):
@@ -62,39 +72,52 @@ class Supervision(NamedTuple):
 
     bank: Any  # Bank
     tracker_score: Scalar
-    age: Scalar  # s, since the start of the bank; negative while it rests
+    awake: Scalar  # 1 while the bank follows the frames, 0 while it rests
+    age: Scalar  # s, since the bank was started, or since it went to rest
 
 
 class Verdict(NamedTuple):
     supervision: Supervision
-    captured: Scalar
     tracker: Gaussian
+    captured: Scalar
+    takeover: Scalar
+    again: Scalar  # 1 where a new bank is due
 
 
 class State(NamedTuple):
     tracker: Gaussian  # until capture: the bank's mixture
     tracking: Scalar  # 0 until the first capture, then 1
+    takeovers: Scalar
     innovation: Scalar  # the tracker's last, in standard deviations
     turn: Scalar  # rad, see Estimate
     turn_variance: Scalar  # rad^2, likewise
-    gap: Scalar  # s, since the last usable frame
+    E_f_walk: Scalar  # pu^2/s, likewise
     calm: Scalar  # s, since the last jump of the network
     supervision: Supervision
 
 
+LONG_CALM = 1e3
+"""s since a jump, at the start."""
+
+
 def start(xp, p, c, s):
-    bank = fresh(xp, c, s)
-    mixed = mixture(xp, [gaussian for gaussian, _ in bank], [0.0] * SIZE)
+    supervision = started(xp, c, s)
+    mixed = mixture(xp, [gaussian for gaussian, _ in supervision.bank], [0.0] * SIZE)
     return State(
         tracker=mixed,
         tracking=0.0,
+        takeovers=0.0,
         innovation=0.0,
         turn=0.0,
         turn_variance=0.0,
-        gap=0.0,
-        calm=1e3,
-        supervision=Supervision(bank, tracker_score=0.0, age=0.0),
+        E_f_walk=0.0,
+        calm=LONG_CALM,
+        supervision=supervision,
     )
+
+
+def started(xp, c, s) -> Supervision:
+    return Supervision(fresh(xp, c, s), tracker_score=0.0, awake=1.0, age=0.0)
 
 
 def fresh(xp, c, s):
@@ -124,30 +147,25 @@ def fresh(xp, c, s):
 
 def step(xp, p, c, state, interval):
     s, h, nu = interval.after, interval.h, interval.jump.nu
-    gap = xp.where(s.measured.held > 0, state.gap + h, 0.0)
     jumped = nu.re * nu.re + nu.im * nu.im > 0
     calm = xp.where(jumped, 0.0, state.calm + h)
-    t = kalman.transition(xp, c, interval, s.measured.E_f_known, gap)
-    unknown = xp.where(s.measured.E_f_known > 0, 0.0, h)
+    t = transition(xp, c, interval)
+    circle = circle_of(c, s)
+    unknown = xp.where(s.measured.E_f_known > 0, 0.0, 1.0)
 
     walk = WALK_TRACKER * (1 + FORCING * xp.exp(-calm / FORCING_DECAY))
-    predicted = kalman.predict(xp, t, state.tracker, unknown * walk * walk)
-    circle = kalman.circle(c, s)
-    (u,) = updated(xp, t, [predicted], circle)
+    E_f_walk = unknown * walk * walk
+    predicted = predict(xp, t, state.tracker, E_f_walk * h)
+    u = update(xp, t, predicted, circle)
 
-    before = state.supervision
-    before = before._replace(tracker_score=before.tracker_score + u.log_likelihood, age=before.age + h)
     tracking = state.tracking > 0
     verdict = xp.cond(
-        before.age > 0,
-        lambda: supervise(xp, before, u.gaussian, tracking, circle, t, unknown * WALK_BANK * WALK_BANK),
-        lambda: Verdict(before, 0.0, u.gaussian),
+        state.supervision.awake > 0,
+        lambda: supervise(xp, state.supervision, u, tracking, circle, t, h, unknown * WALK_BANK * WALK_BANK),
+        lambda: rest(xp, state.supervision, u.gaussian, h),
     )
-    wakes = xp.logical_and(verdict.supervision.age >= 0, before.age <= 0)
     supervision = xp.cond(
-        xp.logical_or(jumped, xp.logical_or(wakes, verdict.supervision.age == 0)),
-        lambda: Supervision(fresh(xp, c, s), 0.0, 0.0),
-        lambda: verdict.supervision,
+        xp.logical_or(jumped, verdict.again > 0), lambda: started(xp, c, s), lambda: verdict.supervision
     )
 
     tracker = verdict.tracker
@@ -155,37 +173,36 @@ def step(xp, p, c, state, interval):
     return State(
         tracker=tracker,
         tracking=xp.where(xp.logical_or(tracking, verdict.captured > 0), 1.0, 0.0),
+        takeovers=state.takeovers + verdict.takeover,
         innovation=u.innovation,
         turn=xp.atan2(old.d * new.q - old.q * new.d, old.d * new.d + old.q * new.q),
         turn_variance=xp.where(
             tracking,
-            kalman.turn_variance(t, state.tracker, predicted),
+            turn_variance(t, state.tracker, predicted),
             direction_variance(predicted.x, predicted.P),
         ),
-        gap=gap,
+        E_f_walk=E_f_walk,
         calm=calm,
         supervision=supervision,
     )
 
 
-def updated(xp, t, predicted: List[Gaussian], circle: Circle) -> Tuple[Updated, ...]:
-    """Each with the frame, if it is one."""
-    return xp.cond(
-        circle.held > 0,
-        lambda: tuple(Updated(gaussian, 0.0, 0.0) for gaussian in predicted),
-        lambda: tuple(kalman.update(xp, t, gaussian, circle) for gaussian in predicted),
-    )
+def rest(xp, before: Supervision, tracker: Gaussian, h) -> Verdict:
+    """The bank stays as it is, and nothing is concluded from it; after REST, a new one is due."""
+    age = before.age + h
+    return Verdict(before._replace(age=age), tracker, 0.0, 0.0, again=xp.where(age >= REST, 1.0, 0.0))
 
 
-def supervise(xp, before: Supervision, tracker: Gaussian, tracking, circle: Circle, t, walk) -> Verdict:
+def supervise(xp, before: Supervision, u: Updated, tracking, circle: Circle, t: Transition, h, walk) -> Verdict:
     """The bank over the interval; is one well left, does the bank replace the tracker, and what does it do next?"""
-    updates = updated(xp, t, [kalman.predict(xp, t, gaussian, walk) for gaussian, _ in before.bank], circle)
-    bank = [u.gaussian for u in updates]
-    likelihoods = [score + u.log_likelihood for (_, score), u in zip(before.bank, updates)]
-    # (x, E_f) -> (-x, -E_f) is a solution too, and E_f > -0.5 excludes it
-    scores = [xp.where(gaussian.E_f < -0.5, -1e6, score) for gaussian, score in zip(bank, likelihoods)]
+    tracker, age = u.gaussian, before.age + h
+    updates = [update(xp, t, predict(xp, t, gaussian, walk * h), circle) for gaussian, _ in before.bank]
+    bank = [updated.gaussian for updated in updates]
+    likelihoods = [score + updated.log_likelihood for (_, score), updated in zip(before.bank, updates)]
+    # (x, E_f) -> (-x, -E_f) is a solution too, and its E_f is below LEAST_E_F
+    scores = [xp.where(gaussian.E_f < LEAST_E_F, EXCLUDED, score) for gaussian, score in zip(bank, likelihoods)]
     best, lead = winner(xp, bank, scores)
-    tracker_score = before.tracker_score - best
+    tracker_score = before.tracker_score + u.log_likelihood - best
     alone = lead > RIVAL_LEAD
     mixed = xp.cond(
         xp.logical_or(xp.logical_not(tracking), alone),
@@ -198,16 +215,19 @@ def supervise(xp, before: Supervision, tracker: Gaussian, tracking, circle: Circ
     takeover = xp.logical_and(tracking, xp.logical_and(ahead, contradict(xp, tracker, mixed, circle.Y1)))
     replaces = xp.logical_or(xp.logical_not(tracking), takeover)
 
-    done = xp.logical_and(captured, before.age > SUPERVISED_AGE)
-    again = xp.logical_or(takeover, xp.logical_and(tracking, before.age >= GREATEST_AGE))
+    done = xp.logical_and(captured, age > SUPERVISED_AGE)
+    again = xp.logical_or(takeover, xp.logical_and(tracking, age >= GREATEST_AGE))
     return Verdict(
         Supervision(
             Bank(*[Hypothesis(gaussian, score - best) for gaussian, score in zip(bank, likelihoods)]),
-            tracker_score=xp.where(takeover, 0.0, tracker_score),
-            age=xp.where(again, 0.0, xp.where(done, -REST, before.age)),
+            tracker_score=tracker_score,
+            awake=xp.where(done, 0.0, 1.0),
+            age=xp.where(done, 0.0, age),
         ),
-        captured=xp.where(captured, 1.0, 0.0),
         tracker=xp.cond(replaces, lambda: mixed, lambda: tracker),
+        captured=xp.where(captured, 1.0, 0.0),
+        takeover=xp.where(takeover, 1.0, 0.0),
+        again=xp.where(again, 1.0, 0.0),
     )
 
 
@@ -218,7 +238,7 @@ def winner(xp, bank: List[Gaussian], scores):
         better = score > best
         best, d, q = xp.where(better, score, best), xp.where(better, own_d, d), xp.where(better, own_q, q)
     near2 = RIVAL_DISTANCE * RIVAL_DISTANCE * (d * d + q * q)
-    rival = -1e6
+    rival = EXCLUDED
     for score, ((own_d, own_q), _, _) in zip(scores, bank):
         away_d, away_q = own_d - d, own_q - q
         far = away_d * away_d + away_q * away_q > near2
@@ -228,7 +248,7 @@ def winner(xp, bank: List[Gaussian], scores):
 
 def mixture(xp, bank: List[Gaussian], scores) -> Gaussian:
     """Mean and covariance of the bank, each hypothesis with the weight e^score; the best score is 0."""
-    weights = [xp.exp(xp.maximum(score, -700.0)) for score in scores]
+    weights = [xp.exp(xp.maximum(score, LEAST_EXPONENT)) for score in scores]
     total = sum(weights)
     mean_d = sum(w * v.x.d for w, v in zip(weights, bank)) / total
     mean_q = sum(w * v.x.q for w, v in zip(weights, bank)) / total
@@ -257,9 +277,18 @@ def contradict(xp, tracker: Gaussian, mixed: Gaussian, Y1):
 
 def estimate(xp, state, s, near):
     x, E_f, P = state.tracker
-    delta = rotor_angle(xp, s, x, near).delta
-    return Estimate(delta, x, P, E_f, state.innovation, 1 - state.tracking, state.turn, state.turn_variance)
+    return Estimate(
+        delta=rotor_angle(xp, s, x, near).delta,
+        x=x,
+        covariance=P,
+        E_f=E_f,
+        E_f_walk=state.E_f_walk,
+        innovation=state.innovation,
+        capturing=1 - state.tracking,
+        turn=state.turn,
+        turn_variance=state.turn_variance,
+    )
 
 
 def outputs(xp, state):
-    return Outputs()
+    return Outputs(state.takeovers)

@@ -11,7 +11,11 @@ from typing import Annotated, NamedTuple
 
 from ..interface import Real, Scalar
 from ..linear import relax
-from .immersion_invariance import mean_power
+from ..machines.two_axis import Constants
+from . import immersion_invariance
+from . import rotor as swing
+from .immersion_invariance import mean_power, turn_of
+from .rotor import Rotor
 
 
 class Parameters(NamedTuple):
@@ -59,12 +63,22 @@ class State(NamedTuple):
     b0: Scalar = 0.0
 
 
-def start(c) -> State:
+def start(xp, c: Constants, s, estimate, settings):
     """From the a0 and b0 of the machine's parameters."""
-    return State(a0=c.a0, b0=c.b0)
+    return swing.balanced(xp, estimate.delta, s.measured, settings.P_m_known), State(a0=c.a0, b0=c.b0)
 
 
-def step(xp, p: Parameters, state: State, interval, turn) -> State:
+def step(xp, p: Parameters, c: Constants, rotor: Rotor, own: State, interval, estimate, settings):
+    """I&I with the mean of the interval's a0 and b0; P_m is measured."""
+    turn = turn_of(xp, rotor, interval, estimate)
+    calibrated = calibrate(xp, p, own, interval, turn)
+    a0, b0 = (own.a0 + calibrated.a0) / 2, (own.b0 + calibrated.b0) / 2
+    moved = immersion_invariance.step_known(xp, rotor, a0, b0, settings.k, interval, turn)
+    return moved._replace(delta=estimate.delta), calibrated
+
+
+def calibrate(xp, p: Parameters, state: State, interval, turn) -> State:
+    """a0 and b0 over an interval in which the rotor has turned by `turn`, rad."""
     h = interval.h
     P_m = (interval.before.measured.P_m + interval.after.measured.P_m) / 2
     w0 = regression(p.lam, state.rate, state.power)
@@ -100,5 +114,9 @@ def low_pass_twice(xp, z, v: Cascade, w) -> Cascade:
     return Cascade(w + decay * first, w + decay * (v.second - w + z * first))
 
 
-def outputs(state: State) -> Outputs:
-    return Outputs(state.a0, state.b0)
+def constants(c: Constants, own: State) -> Constants:
+    return c._replace(a0=own.a0, b0=own.b0)
+
+
+def outputs(xp, own: State) -> Outputs:
+    return Outputs(own.a0, own.b0)

@@ -8,8 +8,42 @@ Over an interval in which x1 turns evenly these are linear equations in (x2, d),
 High gains amplify noise: with 1 mrad on x1, k = 80 makes 0.046 rad/s of it and k = 2 makes 0.002 (50 frames/s).
 """
 
+from typing import NamedTuple
+
+from ..angle import Estimate, unwrap
 from ..linear import Matrix, Propagation, Vector, exponential, propagate, relax
-from . import Rotor
+from ..machines.two_axis import Constants
+from ..phasors import Signals
+from ..sampling import Interval
+from . import rotor as swing
+from .rotor import Rotor
+
+
+class Parameters(NamedTuple):
+    pass
+
+
+class Outputs(NamedTuple):
+    pass
+
+
+def start(xp, c: Constants, s: Signals, estimate: Estimate, settings):
+    return swing.balanced(xp, estimate.delta, s.measured, settings.P_m_known), ()
+
+
+def step(xp, p, c: Constants, rotor: Rotor, own, interval: Interval, estimate: Estimate, settings):
+    turn = turn_of(xp, rotor, interval, estimate)
+    moved = xp.cond(
+        settings.P_m_known,
+        lambda: step_known(xp, rotor, c.a0, c.b0, settings.k, interval, turn),
+        lambda: step_unknown(xp, rotor, c.a0, c.b0, settings.k, interval, turn),
+    )
+    return moved._replace(delta=estimate.delta), own
+
+
+def turn_of(xp, rotor: Rotor, interval: Interval, estimate: Estimate):
+    """By how much the rotor has turned over the interval, rad; the estimator's correction is no turn of the rotor."""
+    return unwrap(xp, estimate.delta + estimate.turn - rotor.delta, rotor.omega * interval.h)
 
 
 def step_known(xp, rotor: Rotor, a0, b0, k, interval, turn) -> Rotor:
@@ -38,3 +72,11 @@ def step_unknown(xp, rotor: Rotor, a0, b0, k, interval, turn) -> Rotor:
 
 def mean_power(interval):
     return (interval.before.measured.P + interval.after.measured.P) / 2
+
+
+def constants(c: Constants, own) -> Constants:
+    return c
+
+
+def outputs(xp, own):
+    return Outputs()

@@ -8,13 +8,23 @@ when the network jumps, are process noise; nothing else is, and there is nothing
 
 from typing import NamedTuple
 
-from .. import noise
-from ..angle import Covariance
-from ..interface import Scalar
-from ..linear import Complex, Matrix, Vector, decay_mean, dot
-from ..machines.two_axis import Constants
-from ..phasors import Signals
-from ..sampling import Interval
+from . import noise
+from .angle import Covariance
+from .interface import Scalar
+from .linear import Complex, Matrix, Vector, decay_mean, dot
+from .machines.two_axis import Constants
+from .phasors import Signals
+from .sampling import SEEN, Interval
+
+UNSEEN_NU = 0.002
+"""1/s/sqrt(s): how fast nu may change in a gap between frames, besides what the frames at its ends show: load changes
+of some percent."""
+
+WILD = 9.0
+"""Squared standard deviations beyond which a residual moves the estimate no further."""
+
+UNLIKELY = 16.0
+"""Squared standard deviations beyond which a residual makes a hypothesis no less likely: gross errors have no wells."""
 
 
 class Gaussian(NamedTuple):
@@ -42,12 +52,11 @@ class Circle(NamedTuple):
 
     Y1: Scalar  # pu^2, less the mean of its error
     R: Scalar  # pu^4, variance of that error
-    held: Scalar  # 1 where no usable frame came
 
 
-def circle(c: Constants, s: Signals) -> Circle:
+def circle_of(c: Constants, s: Signals) -> Circle:
     s2, R = noise.of_Y1(c, s)
-    return Circle(s.Y1 - s2, R, s.measured.held)
+    return Circle(s.Y1 - s2, R)
 
 
 class Updated(NamedTuple):
@@ -56,23 +65,23 @@ class Updated(NamedTuple):
     log_likelihood: Scalar
 
 
-def transition(xp, c: Constants, interval: Interval, E_f_known, gap) -> Transition:
-    """The transition of an interval `gap` s after the last usable frame (0: the interval ends with one).
+def transition(xp, c: Constants, interval: Interval) -> Transition:
+    """What an interval does.
 
     E|dnu|^2 = v adds the variance (h b2)^2 v Y1/2 to E'd and (h b1)^2 v Y1/2 to E'q, less what decays within the
-    interval; without it the filter is sure of itself and wrong. In a gap, nu walks away by 0.002 per s and sqrt(s).
+    interval; without it the filter is sure of itself and wrong. In a gap, nu moves unseen by UNSEEN_NU t sqrt(dt).
     """
     h, s, flow = interval.h, interval.after, interval.flow
     variance = h * h * noise.of_nu(s) * s.Y1 / 2
-    drift = 0.002 * gap
-    in_gap = drift * drift * h * s.Y1
+    gap = xp.maximum(h - SEEN, 0.0)
+    in_gap = UNSEEN_NU * UNSEEN_NU * gap * gap * gap / 3 * s.Y1
 
     b = Vector(
         c.b2 * decay_mean(xp, xp.maximum(-s.A.dd, 0.0) * h),
         c.b1 * decay_mean(xp, xp.maximum(-s.A.qq, 0.0) * h),
     )
     common = noise.of_nu_and_Y1(s)
-    known = E_f_known > 0
+    known = s.measured.E_f_known > 0
     forcing_error = c.c1 * h / 2 * interval.jump.E_f
     return Transition(
         F=flow.F,
@@ -86,7 +95,7 @@ def transition(xp, c: Constants, interval: Interval, E_f_known, gap) -> Transiti
         common=Complex(h * common.re, h * common.im),
         b=b,
         E_f=s.measured.E_f,
-        E_f_known=E_f_known,
+        E_f_known=s.measured.E_f_known,
     )
 
 
@@ -144,13 +153,13 @@ def across(x: Vector) -> Vector:
 def update(xp, t: Transition, v: Gaussian, circle: Circle) -> Updated:
     """With a frame, to second order in the error of x:
 
-    r = Y1 - |x|^2 - tr P,   S = H P H^T - 2 H C + 2 tr P^2 + R,   H = 2 x^T,   K = (P H^T - C)/max(S, r^2/9)
+    r = Y1 - |x|^2 - tr P,   S = H P H^T - 2 H C + 2 tr P^2 + R,   H = 2 x^T,   K = (P H^T - C)/max(S, r^2/WILD)
 
     C is the covariance of the errors of x and Y1: the frame at the end of the interval went into A, by half for this
     interval and by half for the next one.
     """
     (d, q), E_f, (dd, dq, qq, df, qf, ff) = v
-    Y1, R, _ = circle
+    Y1, R = circle
     C_d, C_q = by_nu(t, t.common, v.x)
     # P H^T - C
     hd = 2 * (d * dd + q * dq) - C_d
@@ -160,11 +169,11 @@ def update(xp, t: Transition, v: Gaussian, circle: Circle) -> Updated:
     S = 2 * (d * (hd - C_d) + q * (hq - C_q) + dd * dd + 2 * dq * dq + qq * qq) + R
     S = xp.maximum(S, R / 10)  # x far off the circle
     normalised2 = r * r / S
-    weight = 1 / (S * xp.maximum(normalised2 / 9, 1.0))  # beyond 3 standard deviations a residual counts no further
+    weight = 1 / (S * xp.maximum(normalised2 / WILD, 1.0))
     kd, kq, kf = weight * hd, weight * hq, weight * hf
     P = Covariance(dd - kd * hd, dq - kd * hq, qq - kq * hq, df - kd * hf, qf - kq * hf, ff - kf * hf)
     return Updated(
         Gaussian(Vector(d + kd * r, q + kq * r), E_f + kf * r, P),
         r / xp.sqrt(S),
-        -(xp.log(S) + xp.minimum(normalised2, 16.0)) / 2,
+        -(xp.log(S) + xp.minimum(normalised2, UNLIKELY)) / 2,
     )
