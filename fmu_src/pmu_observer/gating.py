@@ -32,8 +32,8 @@ STILL = 1e-4
 LONGEST_REPEAT = 1.0
 """s for which a repeated frame is no new one; then it is believed: the estimated speed is wrong."""
 
-DUE, OVERDUE = 0.95, 1.5
-"""Of a frame period, after the last frame: from when on a repeat may be a new frame, and until when one must come."""
+EARLY, LATE, OVERDUE = 0.95, 1.05, 1.5
+"""Of a frame period, after the last frame: when the next one is expected, and from when on it is missing."""
 
 PERIOD_STEP = 1.03
 """Factor by which a new interval moves the learnt frame period, and how far it may be from it without doing so: the
@@ -133,20 +133,26 @@ def is_of_this_clock(xp, p: Parameters, inputs: Inputs, t, h):
     return xp.logical_or(p.frame_time != STAMPED, possible)
 
 
-def timing(xp, p: Parameters, gate: Gate, received: Received, t_frame, t, elapsed, omega) -> Timing:
+def timing(xp, p: Parameters, gate: Gate, received: Received, t_frame, t, h, elapsed, omega) -> Timing:
     """Is the frame at t, `elapsed` s after the last one that was taken, a new one, and when was it measured?
 
     stamped: at t_frame; new if that is later than the last one's. arrival: at t; new if it differs from the last one. A
-    rotor at rest gives the same frame again, once in a frame period; and after LONGEST_REPEAT s it is omega that is
-    wrong.
+    rotor at rest gives the same frame again, a frame period after the last one, and what is left of it is known at the
+    latest before the next communication point, h later. After LONGEST_REPEAT s of repeats it is omega that is wrong.
     """
     stamped = p.frame_time == STAMPED
-    latency = xp.where(stamped, t - t_frame, 0.0)
     same = is_same(xp, received.frame, gate.frame)
     turning = xp.logical_or(xp.abs(omega) * elapsed > STILL, gate.held > 0)
     turning = xp.logical_and(turning, gate.period > 0)  # frames that never differ are those of a rotor at rest
-    repeat = xp.logical_or(xp.logical_not(turning), gate.unchanged > LONGEST_REPEAT)
-    repeat = xp.logical_and(repeat, elapsed >= DUE * frame_period(xp, p, gate))
+
+    period = frame_period(xp, p, gate)
+    due = xp.logical_and(elapsed >= EARLY * period, elapsed + h > LATE * period)
+    believed = xp.logical_or(xp.logical_not(turning), gate.unchanged > LONGEST_REPEAT)
+    repeat = xp.logical_and(same, xp.logical_and(due, believed))
+    punctual = xp.logical_and(repeat, elapsed < OVERDUE * period)
+    on_arrival = xp.where(punctual, xp.maximum(elapsed - period, 0.0), 0.0)
+
+    latency = xp.where(stamped, t - t_frame, on_arrival)
     new = xp.where(stamped, t_frame > gate.t_frame + SHORTEST, xp.logical_or(xp.logical_not(same), repeat))
     doubtful = xp.logical_and(xp.logical_not(stamped), xp.logical_and(same, turning))
     return Timing(elapsed - latency, latency, xp.where(new, 1.0, 0.0), xp.where(doubtful, 1.0, 0.0))

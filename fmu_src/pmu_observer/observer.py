@@ -109,7 +109,7 @@ def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h):
         received.usable > 0,
         lambda: xp.cond(
             started,
-            lambda: consider(name, xp, p, c, state, received, t_frame, t),
+            lambda: consider(name, xp, p, c, state, received, t_frame, t, h),
             lambda: begin(name, xp, p, c, state, received, t_frame, t),
         ),
         lambda: state._replace(gate=state.gate._replace(held=1.0)),
@@ -142,9 +142,9 @@ def begin(name, xp, p, c, state: State, received: Received, t_frame, t) -> State
     )
 
 
-def consider(name, xp, p, c, state: State, received: Received, t_frame, t) -> State:
+def consider(name, xp, p, c, state: State, received: Received, t_frame, t, h) -> State:
     """The state at a usable frame: is it a new one, and does it agree with what has come so far?"""
-    timing = gating.timing(xp, p, state.gate, received, t_frame, t, state.elapsed, state.rotor.omega)
+    timing = gating.timing(xp, p, state.gate, received, t_frame, t, h, state.elapsed, state.rotor.omega)
 
     def judged():
         span = interval(xp, c, state.signals, received.signals, timing.h, state.change)

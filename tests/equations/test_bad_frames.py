@@ -174,20 +174,6 @@ def test_rounded_frames(resolution, speed):
     assert np.mean([o.status == HOLDING for o in outputs[-300:]]) < 0.1
 
 
-def test_frames_come_every_frame_period():
-    """At steps of 5 ms and a frame every 20 ms only every fourth input is read: NaN in between does not matter."""
-    p = P._replace(frame_period=0.02)
-    solution = reference.solve(CASE, np.arange(0, 1, 0.005))
-    inputs = inputs_along(CASE, solution)
-    spoilt_between = [i if k % 4 == 0 else spoilt(i, V_t=nan) for k, i in enumerate(inputs)]
-    every, fourth = run("drem", p, inputs, 0.005), run("drem", p, spoilt_between, 0.005)
-    assert every == fourth
-    at_20_ms = run("drem", P, inputs[::4], 0.02)
-    for fine, coarse in zip(every.states[::4], at_20_ms.states):
-        assert tree.leaves(fine.estimator) == pytest.approx(tree.leaves(coarse.estimator), rel=1e-9, abs=1e-20)
-    assert {o.status for o in fourth.outputs} == {TRACKING}
-
-
 def test_phasors_alone():
     """A record without P and Q gives the same estimate with power_source = 2."""
     without = [spoilt(i, P_t=0.0, Q_t=0.0) for i in INPUTS[:60]]

@@ -52,19 +52,29 @@ def motion(xp, a0, h) -> Motion:
     return Motion(1 - z * mean, h * mean, h * mean, h * h * w)
 
 
+def motion_with_gap(xp, a0, h) -> Motion:
+    """For longer than SEEN, f acts for that long only: then the rotor coasts."""
+
+    def with_gap():
+        seen, coasting = motion(xp, a0, SEEN), motion(xp, a0, h - SEEN)
+        return Motion(
+            seen.E * coasting.E, seen.t + seen.E * coasting.t, seen.v * coasting.E, seen.w + seen.v * coasting.t
+        )
+
+    return xp.cond(h > SEEN, with_gap, lambda: motion(xp, a0, h))
+
+
 def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) -> Rotor:
     """The rotor over an interval with the mean power of its ends:
 
         delta' = omega,  omega' = -a0 omega + b0 (P_m - P),  P_m measured, or a random walk.
 
-    P's noise and half its jump, at an unknown instant, move omega. Over longer than SEEN the mean says little: what it
-    adds beyond counts as an error of its own size, and omega walks.
+    P's noise and half its jump, at an unknown instant, move omega. Over longer than SEEN the mean says little: from
+    then on the acceleration counts as an error of its own size, and omega walks.
     """
     before, after, h = interval.before.measured, interval.after.measured, interval.h
-    m, P = motion(xp, c.a0, h), rotor.covariance
-    seen = xp.minimum(SEEN / xp.maximum(h, SEEN), 1.0)
+    m, P = motion_with_gap(xp, c.a0, h), rotor.covariance
     acceleration = c.b0 * (P_m - (before.P + after.P) / 2)
-    f, unseen = seen * acceleration, (1 - seen) * acceleration
 
     # P P^T times the transition's rows
     v, w = m.v * c.b0, m.w * c.b0
@@ -76,9 +86,10 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
 
     S = after.tve * after.V * after.I
     jump = interval.jump.P
-    wrong = c.b0 * c.b0 * (S * S + jump * jump / 4) + unseen * unseen  # of an acceleration, for the whole interval
-    gap = h - seen * h
-    drift = OMEGA_WALK * OMEGA_WALK * gap
+    wrong = c.b0 * c.b0 * (S * S + jump * jump / 4)  # of an acceleration that is wrong for the whole interval
+    gap = xp.maximum(h - SEEN, 0.0)
+    unseen = acceleration * gap
+    drift = unseen * unseen + OMEGA_WALK * OMEGA_WALK * gap
     walk = xp.where(P_m_known, 0.0, ACCELERATION_WALK * ACCELERATION_WALK * h / xp.maximum(c.b0 * c.b0, 1e-12))
     covariance = RotorCovariance(
         dd=dd + m.t * do + w * dp + m.w * m.w * wrong + drift * gap * gap / 3,
@@ -89,8 +100,8 @@ def predict(xp, c: Constants, rotor: Rotor, interval: Interval, P_m, P_m_known) 
         pp=P.pp + walk,
     )
     return Rotor(
-        rotor.delta + m.t * rotor.omega + m.w * f,
-        m.E * rotor.omega + m.v * f,
+        rotor.delta + m.t * rotor.omega + m.w * acceleration,
+        m.E * rotor.omega + m.v * acceleration,
         rotor.P_m,
         covariance,
         rotor.innovation,
