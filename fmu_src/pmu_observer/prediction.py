@@ -46,6 +46,9 @@ def predict(name: str, xp, p: Parameters, c: Constants, state) -> Outputs:
     angle = rotor.delta - frame.theta
     Iq = (frame.P * xp.cos(angle) - frame.Q * xp.sin(angle)) / frame.V
     P, R = now.P, rotor_now.covariance
+    # a repeated frame that is believed for want of another says nothing of where the rotor is
+    repeated = xp.where(state.gate.held > 0, xp.maximum(state.gate.unchanged - h, 0.0), 0.0)
+    doubt = swing.OMEGA_WALK * swing.OMEGA_WALK * repeated
     radial = confidence.growth(xp, state.mean_squares.radial)
     across = confidence.growth(xp, state.mean_squares.angle)
 
@@ -63,8 +66,10 @@ def predict(name: str, xp, p: Parameters, c: Constants, state) -> Outputs:
         e1q=now.x.q,
         E_f_hat=now.E_f,
         P_m_hat=rotor.P_m,
-        delta_std=deviation(rotor_sure, across * R.dd + radial * direction_variance(now.x, P)),
-        omega_std=deviation(rotor_sure, across * R.oo),
+        delta_std=deviation(
+            rotor_sure, across * R.dd + doubt * repeated * repeated / 3 + radial * direction_variance(now.x, P)
+        ),
+        omega_std=deviation(rotor_sure, across * R.oo + doubt),
         e1d_std=deviation(sure, radial * P.dd),
         e1q_std=deviation(sure, radial * P.qq),
         E_f_std=deviation(xp.where(frame.E_f_known > 0, 0.0, sure), radial * P.ff),
