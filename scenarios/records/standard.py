@@ -8,8 +8,9 @@ rate has a row; where no frame came its values are `nan` and `frame_valid` is 0:
     # rate = 60 frames/s
     # f0 = 60 Hz
     # S_base = 100 MVA
+    # V_base = 22 kV
     time,t_frame,frame_valid,V_t,theta_t,I_t,phi_t,P_t,Q_t,P_m,E_f
-    0.000000000,0.000000000,1,1.0493,0.09826279819,...
+    0.000000000,0.000000000,1,1.0493000000,0.0982627982,...
 
 How to use it:
 
@@ -35,6 +36,7 @@ from typing import Self
 import numpy as np
 
 from ..errors import UserError, alternatives
+from .digits import table_text
 
 COLUMNS: dict[str, str] = {
     "time": "s",
@@ -48,17 +50,18 @@ COLUMNS: dict[str, str] = {
     "Q_t": "pu",
     "P_m": "pu",
     "E_f": "pu",
+    "f": "Hz",
 }
-"""Names and units: those of the observer's inputs, after the time."""
+"""Names and units: those of the observer's inputs, after the time; and the PMU's frequency, for the checks."""
 
-VALUES = ("V_t", "theta_t", "I_t", "phi_t", "P_t", "Q_t", "P_m", "E_f")
+VALUES = ("V_t", "theta_t", "I_t", "phi_t", "P_t", "Q_t", "P_m", "E_f", "f")
 NEEDED = ("time", "V_t", "theta_t", "I_t", "phi_t")
 
 FIRST_LINE = "# pmu-observer record"
 
-FORMATS = {"time": "%.9f", "t_frame": "%.9f", "frame_valid": "%d"}
-"""Times to the nanosecond; values with twelve digits, see VALUE_FORMAT."""
-VALUE_FORMAT = "%.12g"
+DECIMALS = {"frame_valid": 0, "time": 9, "t_frame": 9}
+VALUE_DECIMALS = 10
+"""Times to the nanosecond, values to 1e-10 pu and rad."""
 
 
 class RecordError(UserError):
@@ -75,6 +78,8 @@ class Facts:
     """Frames per second."""
     f0: float | None = None
     """Hz; nominal frequency, that of the frame of the angles."""
+    V_base: float | None = None
+    """kV line-line; base of V."""
     utc_start: str | None = None
     """UTC at time = 0, ISO 8601 with a Z."""
     source: str | None = None
@@ -99,6 +104,7 @@ class StandardRecord:
     Q_t: np.ndarray
     P_m: np.ndarray
     E_f: np.ndarray
+    f: np.ndarray
     facts: Facts = field(default_factory=Facts)
 
     def __len__(self) -> int:
@@ -205,7 +211,7 @@ def read_facts(lines: Sequence[str], path: Path) -> Facts:
         name, equals, value = line[1:].partition("=")
         if equals and name.strip() in Facts.__dataclass_fields__:
             given[name.strip()] = value.strip()
-    for name in given.keys() & {"S_base", "rate", "f0"}:
+    for name in given.keys() & {"S_base", "rate", "f0", "V_base"}:
         try:
             given[name] = float(given[name].split()[0])
         except (ValueError, IndexError):
@@ -222,18 +228,17 @@ class Writer:
     def __init__(self, path: Path, facts: Facts, columns: Sequence[str]):
         self.path, self.part = path, path.with_name(path.name + ".part")
         self.columns = [name for name in COLUMNS if name in columns]
-        self.row = ",".join(FORMATS.get(name, VALUE_FORMAT) for name in self.columns) + "\n"
+        self.decimals = [DECIMALS.get(name, VALUE_DECIMALS) for name in self.columns]
         self.facts = facts
 
     def __enter__(self) -> Self:
-        self.file = self.part.open("w", encoding="utf-8")
-        self.file.write(head(self.facts) + ",".join(self.columns) + "\n")
+        self.file = self.part.open("wb")
+        self.file.write((head(self.facts) + ",".join(self.columns) + "\n").encode())
         return self
 
     def write(self, values: Mapping[str, np.ndarray]) -> None:
         """Rows; one array a column, all of one length."""
-        table = np.column_stack([values[name] for name in self.columns])
-        self.file.write(self.row * len(table) % tuple(table.ravel().tolist()))
+        self.file.write(table_text([values[name] for name in self.columns], self.decimals))
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -248,7 +253,8 @@ class Writer:
 def head(facts: Facts) -> str:
     lines = StringIO()
     print(FIRST_LINE, file=lines)
-    for name, unit in (("source", ""), ("utc_start", ""), ("rate", " frames/s"), ("f0", " Hz"), ("S_base", " MVA")):
+    units = {"source": "", "utc_start": "", "rate": " frames/s", "f0": " Hz", "S_base": " MVA", "V_base": " kV"}
+    for name, unit in units.items():
         value = getattr(facts, name)
         if value is not None:
             print(f"# {name} = {f'{value:.12g}' if isinstance(value, float) else value}{unit}", file=lines)
