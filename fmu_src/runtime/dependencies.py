@@ -5,6 +5,7 @@ from typing import Any, List
 from ..pmu_observer import tree
 from ..pmu_observer.carriers import dependencies
 from ..pmu_observer.carriers.dependencies import Dependent
+from . import choices
 from .model import Model, Program
 
 
@@ -24,9 +25,10 @@ def in_step_mode(model: Model) -> List[List[int]]:
 def at_start(model: Model) -> List[List[int]]:
     """The same of inputs and parameters, in initialization mode; all of them where equations need other packages."""
     inputs = numbered(model.inputs, 0)
-    parameters = numbered(model.parameters, len(tree.leaves(model.inputs)))
+    given = numbered(choices.parameters(model), len(tree.leaves(model.inputs)))
+    parameters = choices.chosen(dependencies, model, given)
     if model.requirements:
-        knowns = range(len(tree.leaves((model.inputs, model.parameters))))
+        knowns = range(len(tree.leaves((inputs, given))))
         return [list(knowns) for _ in tree.leaves(model.outputs)]
     chosen = getattr(parameters, model.selector) if model.selector else 0.0
     found = []

@@ -1,5 +1,6 @@
 """modelDescription.xml of a model, from its annotated trees (FMI 2.0.x, co-simulation)."""
 
+from math import pi
 from typing import List, Tuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -20,8 +21,12 @@ BASE_UNITS = {
     "Hz": {"s": -1},
     "MVA": {"kg": 1, "m": 2, "s": -3, "factor": 1000000},
     "pu": {},
+    "1": {},
 }
-"""Exponents of the SI base units, and a factor; `pu` has none, and "1" is written as no unit at all."""
+"""Exponents of the SI base units, and a factor."""
+
+DISPLAY_UNITS = {"rad": ("deg", 180 / pi), "rad/s": ("Hz", 1 / (2 * pi))}
+"""What people read instead: its name, and how many of it the unit is."""
 
 
 def model_description(model: Model, guid: str, capabilities: dict, source_files: Tuple[str, ...] = ()) -> bytes:
@@ -32,7 +37,9 @@ def model_description(model: Model, guid: str, capabilities: dict, source_files:
         modelName=model.name,
         guid=guid,
         description=model.description,
+        author="The pmu-observer authors",
         version=VERSION,
+        copyright="Copyright (c) 2026 The pmu-observer authors",
         license="MIT",
         generationTool=f"pmu-observer {VERSION}",
         variableNamingConvention="structured",
@@ -74,10 +81,12 @@ def exact(value: float) -> str:
 def unit_definitions(root: Element, all_ports: List[Port]) -> None:
     units = {port.variable.specification.unit for port in all_ports if isinstance(port.variable.specification, Real)}
     definitions = SubElement(root, "UnitDefinitions")
-    for name in sorted(units - {"1"}):
+    for name in sorted(units):
         unit = SubElement(definitions, "Unit", name=name)
-        if BASE_UNITS[name]:
-            SubElement(unit, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[name].items()})
+        SubElement(unit, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[name].items()})
+        if name in DISPLAY_UNITS:
+            display, factor = DISPLAY_UNITS[name]
+            SubElement(unit, "DisplayUnit", name=display, factor=exact(factor))
 
 
 def type_definitions(root: Element, all_ports: List[Port]) -> None:
@@ -117,8 +126,10 @@ def scalar_variable(parent: Element, reference: int, port: Port) -> None:
         attributes["declaredType"] = specification.type_name
     elif not isinstance(specification, Boolean):
         number = exact if isinstance(specification, Real) else str
-        if isinstance(specification, Real) and specification.unit != "1":
+        if isinstance(specification, Real):
             attributes["unit"] = specification.unit
+            if specification.unit in DISPLAY_UNITS:
+                attributes["displayUnit"] = DISPLAY_UNITS[specification.unit][0]
         limits = {"min": specification.min, "max": specification.max}
         attributes.update({key: number(limit) for key, limit in limits.items() if limit is not None})
         if isinstance(specification, Real) and specification.nominal != 1.0:
@@ -129,7 +140,7 @@ def scalar_variable(parent: Element, reference: int, port: Port) -> None:
         if causality == "parameter":
             element.set("initial", "exact")
         if isinstance(specification, Boolean):
-            attributes["start"] = "true" if start else "false"
+            attributes["start"] = "1" if start else "0"  # some importers read no "true"
         else:
             attributes["start"] = exact(start)
     SubElement(element, type(specification).__name__, attributes)

@@ -3,6 +3,7 @@
 from typing import List, NamedTuple
 
 from ..pmu_observer.interface import Boolean, Real, Specification, Variable, variables
+from . import choices
 from .model import Model
 
 
@@ -18,7 +19,8 @@ def ports(model: Model) -> List[Port]:
     """Every variable of the FMU: inputs, then parameters, then outputs."""
     found = [Port(v, "input", input_variability(model, v)) for v in variables(model.inputs)]
     found += [
-        Port(v, "parameter", "tunable" if v.specification.tunable else "fixed") for v in variables(model.parameters)
+        Port(v, "parameter", "tunable" if v.specification.tunable else "fixed")
+        for v in variables(choices.parameters(model))
     ]
     found += [
         Port(v, "output", "continuous" if isinstance(v.specification, Real) else "discrete")

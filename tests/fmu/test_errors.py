@@ -220,9 +220,9 @@ def test_a_tunable_parameter_changes_during_the_run_within_its_range(observer):
 def test_unknown_value_references(observer):
     observer.slave.setReal([10_000], [1.0])
     assert "no Real variable with value reference 10000" in observer.messages[-1]
-    status = observer.variables["status"].valueReference
-    assert observer.slave.getReal([status]) == [0.0]
-    assert f"no Real variable with value reference {status}" in observer.messages[-1]
+    delta = observer.variables["delta"].valueReference
+    assert observer.slave.getInteger([delta]) == [0]
+    assert f"no Integer variable with value reference {delta}" in observer.messages[-1]
 
 
 def test_percent_signs_reach_c_hosts_doubled(observer):

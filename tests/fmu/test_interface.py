@@ -82,9 +82,10 @@ def test_names_of_the_contract(dist, name):
 @pytest.mark.parametrize("name", CONTRACT)
 def test_every_real_has_a_unit_or_is_a_number(dist, name):
     description = read_model_description(dist / "python" / f"{name}.fmu")
-    without = {v.name for v in description.modelVariables if v.type == "Real" and v.unit is None}
+    assert all(v.unit for v in description.modelVariables if v.type == "Real")
+    without = {v.name for v in description.modelVariables if v.type == "Real" and v.unit == "1"}
     numbers = {"drem.Delta", "tve", "innovation", "load_sigma", "degrees_of_freedom", "V_magnitude_bias"}
-    numbers |= {"I_magnitude_bias", "dropout", "gross_error_probability", "gross_error", "S10", "S12"}
+    numbers |= {"I_magnitude_bias", "dropout", "gross_error_probability", "gross_error", "S10", "S12", "angle_innovation", "power_mismatch"}
     assert {name for name in without if not name.startswith("overparameterised.")} <= numbers
 
 
@@ -134,7 +135,7 @@ def test_dependencies_at_the_start_are_those_that_casadi_finds(dist, name):
     declared = dependencies(description.initialUnknowns)
     assert all(declared[output] >= names for output, names in expected.items())
     if name == "SmibPlant":  # and nothing beyond what they are made of
-        assert declared["omega"] == {"omega_start", "start_mode", "f_inf", "omega_s"}
+        assert declared["omega"] == {"omega_start", "start_mode", "start_mode_number", "f_inf", "omega_s"}
         assert declared["E_f_start"] - declared["omega"] <= {*MACHINE, "P_m", "E_f", "V_inf", "x_line", "V_t_start"}
         assert declared["t_frame"] == set()
 

@@ -190,7 +190,8 @@ static fmi2Status check_inputs(const Instance *instance, fmi2Status failure) {
 
 static const Program *program(const Instance *instance) {
 #ifdef SELECTOR
-    return &PROGRAMS[(int)instance->now.values[SELECTOR] - 1];
+    const double *values = instance->now.values;
+    return &PROGRAMS[(int)(values[SELECTOR_NUMBER] > 0 ? values[SELECTOR_NUMBER] : values[SELECTOR]) - 1];
 #else
     (void)instance;
     return &PROGRAMS[0];
@@ -448,12 +449,12 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2S
 
 /* Getting and setting ---------------------------------------------------------------------------------------------- */
 
-/* fmi2Error unless every reference is that of a variable of the type. */
+/* fmi2Error unless every reference is that of a variable of the type. Some importers set and read all as Reals. */
 static fmi2Status check_references(const Instance *instance, const char *function, Type type,
                                    const fmi2ValueReference references[], size_t count, const void *values) {
     if (count > 0 && (!references || !values)) return null_pointer(instance, function);
     for (size_t i = 0; i < count; i++) {
-        if (references[i] >= N_VARIABLES || VARIABLES[references[i]].type != type) {
+        if (references[i] >= N_VARIABLES || (VARIABLES[references[i]].type != type && type != REAL)) {
             return report(&instance->log, fmi2Error, "%s: there is no such variable with value reference %u", function,
                           references[i]);
         }
@@ -504,7 +505,10 @@ static fmi2Status set(fmi2Component c, const char *function, Type type, const fm
                           VARIABLES[k].name, role == OUTPUT ? "an output" : "a fixed parameter",
                           phase_name(instance->now.phase));
         }
-        if (role != INPUT && !in_range(k, value)) return out_of_range(instance, fmi2Discard, k, value);
+        if (role == INPUT && VARIABLES[k].type == REAL) continue;
+        if (!in_range(k, value) || (VARIABLES[k].type != REAL && floor(value) != value)) {
+            return out_of_range(instance, fmi2Discard, k, value);
+        }
     }
     for (size_t i = 0; i < count; i++) instance->now.values[references[i]] = value_at(type, values, i);
     if (count > 0) instance->now.outdated = 1;

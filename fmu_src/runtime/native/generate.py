@@ -13,6 +13,7 @@ from casadi import SX, Function, GlobalOptions, vertcat
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import symbols
 from ...pmu_observer.interface import describe
+from .. import choices
 from ..model import Model, Program
 from ..ports import Port, kind_of, ports
 from .c_code import c_function, number
@@ -85,8 +86,9 @@ def as_written():
 @as_written()
 def program_functions(model: Model, program: Program) -> List[Function]:
     """The program's start and step, and its output if it has one, with the arguments that fmi2_slave.c gives them."""
-    inputs, parameters, t, h = symbols_like(model.inputs), symbols_like(model.parameters), SX.sym("t"), SX.sym("h")
-    given = {"inputs": inputs, "parameters": parameters}
+    inputs, all_parameters = symbols_like(model.inputs), symbols_like(choices.parameters(model))
+    parameters, t, h = choices.chosen(symbols, model, all_parameters), SX.sym("t"), SX.sym("h")
+    given = {"inputs": inputs, "parameters": all_parameters}
     state, outputs = program.start(symbols, parameters, inputs, t)
     start = function("start", {**given, "t": t}, {"outputs": outputs, "state": state})
     state = symbols_like(state)
@@ -102,9 +104,10 @@ def program_functions(model: Model, program: Program) -> List[Function]:
 @as_written()
 def rule_function(model: Model) -> Function:
     """holds[i] = 1 if rule number i holds, else 0."""
-    inputs, parameters = symbols_like(model.inputs), symbols_like(model.parameters)
-    holds = tuple(rule.holds for rule in model.rules(symbols, parameters, inputs))
-    return function("rules", {"inputs": inputs, "parameters": parameters}, {"holds": holds})
+    inputs, all_parameters = symbols_like(model.inputs), symbols_like(choices.parameters(model))
+    rules = model.rules(symbols, choices.chosen(symbols, model, all_parameters), inputs)
+    holds = tuple(rule.holds for rule in rules)
+    return function("rules", {"inputs": inputs, "parameters": all_parameters}, {"holds": holds})
 
 
 def symbols_like(shape):
@@ -131,9 +134,9 @@ def model_h(model: Model, guid: str, states: Dict[str, int]) -> str:
         name=model.name,
         guid=guid,
         max_step=number(model.max_step),
-        selector=f"#define SELECTOR {names.index(model.selector)}\n" if model.selector else "",
+        selector=selector(model, names),
         inputs=len(tree.leaves(model.inputs)),
-        parameters=len(tree.leaves(model.parameters)),
+        parameters=len(tree.leaves(choices.parameters(model))),
         outputs=len(tree.leaves(model.outputs)),
         states=max(states.values()),
         rules=len(messages),
@@ -141,6 +144,14 @@ def model_h(model: Model, guid: str, states: Dict[str, int]) -> str:
         programs="\n".join(f"    {entry(model, name, size)}," for name, size in states.items()),
         messages="\n".join(f"    case {i}: {message(text, names)} break;" for i, text in enumerate(messages)),
     )
+
+
+def selector(model: Model, names: List[str]) -> str:
+    """The places of the parameter that selects the program, and of its number, which goes before."""
+    if not model.selector:
+        return ""
+    places = names.index(model.selector), names.index(model.selector + choices.SUFFIX)
+    return "#define SELECTOR {}\n#define SELECTOR_NUMBER {}\n".format(*places)
 
 
 def entry(model: Model, name: str, states: int) -> str:

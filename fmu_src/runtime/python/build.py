@@ -21,7 +21,8 @@ from ..package import content_hash, guid_of, write_fmu
 SOURCES = Path(__file__).resolve().parents[2]
 PYTHONFMU = Path(pythonfmu.__file__).parent
 
-CAPABILITIES = {"needsExecutionTool": "true", "canNotUseMemoryManagementFunctions": "true"}
+CAPABILITIES = {"needsExecutionTool": "false", "canNotUseMemoryManagementFunctions": "true"}
+"""What it needs is a library, libpython, and no tool: PyFMI refuses an FMU that needs one."""
 
 SLAVE = """\
 from {package}.models.{module} import MODEL

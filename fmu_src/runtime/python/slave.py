@@ -16,6 +16,7 @@ from ...pmu_observer import tree
 from ...pmu_observer.carriers import floats
 from ...pmu_observer.clock import EPSILON
 from ...pmu_observer.interface import broken, describe, range_errors
+from .. import choices
 from ..model import ON_TIME, Model, Program
 from ..ports import kind_of, ports
 
@@ -50,7 +51,8 @@ class ModelSlave:
         cls.kinds = [kind_of(port.variable.specification) for port in cls.ports]
         cls.starts = [port.variable.start for port in cls.ports]
         cls.end_of_inputs = len(tree.leaves(cls.model.inputs))
-        cls.end_of_parameters = cls.end_of_inputs + len(tree.leaves(cls.model.parameters))
+        cls.all_parameters = choices.parameters(cls.model)
+        cls.end_of_parameters = cls.end_of_inputs + len(tree.leaves(cls.all_parameters))
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -67,7 +69,7 @@ class ModelSlave:
     # Getting and setting -------------------------------------------------------------------------------------------
 
     def get_real(self, references):
-        return self._get("Real", references)
+        return [float(value) for value in self._get("Real", references)]
 
     def get_integer(self, references):
         return [int(value) for value in self._get("Integer", references)]
@@ -104,21 +106,26 @@ class ModelSlave:
             return
         for i, value in zip(references, values):
             if self._has(kind, i) and self._may_set(i, value):
-                self.values[i] = value
+                self.values[i] = value if self.kinds[i] == "Real" else int(value)
                 self.outdated = True
                 if i >= self.end_of_inputs and self.phase == STEP:
                     self._read_parameters()
 
     def _has(self, kind, i):
-        if 0 <= i < len(self.kinds) and self.kinds[i] == kind:
+        # some importers set and read every variable as a Real
+        if 0 <= i < len(self.kinds) and kind in (self.kinds[i], "Real"):
             return True
         self._error(f"there is no {kind} variable with value reference {i}")
         return False
 
     def _may_set(self, i, value):
+        (name, specification, _), causality, variability = self.ports[i]
+        logical = self.kinds[i] == "Boolean" and value not in (0, 1)
+        if self.kinds[i] != "Real" and (value % 1 != 0 or logical):
+            self._error(f"{name} = {value:.12g} is not allowed, and ignored; it must be in {describe(specification)}")
+            return False
         if i < self.end_of_inputs:
             return True
-        (name, specification, _), causality, variability = self.ports[i]
         if causality == "output" or (self.phase == STEP and variability == "fixed"):
             self._error(f"{name} ({variability} {causality}) cannot be set while the slave is {PHASES[self.phase]}")
             return False
@@ -209,12 +216,13 @@ class ModelSlave:
 
     def _read_parameters(self):
         leaves = self.values[self.end_of_inputs : self.end_of_parameters]
-        self.parameters = tree.like(self.model.parameters, leaves)
+        self.all_parameters = tree.like(self.all_parameters, leaves)
+        self.parameters = choices.chosen(floats, self.model, self.all_parameters)
 
     def _start(self):
         """State and outputs at the start, or the reasons why there are none."""
         self._read_parameters()
-        self.refused = range_errors(self.model.parameters, self.parameters)
+        self.refused = range_errors(self.all_parameters, self.all_parameters)
         self.outdated = False
         if self.refused:
             return
