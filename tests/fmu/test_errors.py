@@ -85,7 +85,7 @@ def test_outputs_that_a_bad_input_leaves_without_a_value_stay_as_they_are(plant)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
-@pytest.mark.parametrize("name", GOOD)
+@pytest.mark.parametrize("name", [name for name in GOOD if name != "phi_t"])  # which is not used, with P_t and Q_t
 def test_a_bad_frame_is_held_over_and_flagged(observer, name, bad):
     observer.initialise(**GOOD)
     assert observer.step(0.0, H) == OK

@@ -85,7 +85,16 @@ def test_every_real_has_a_unit_or_is_a_number(dist, name):
     assert all(v.unit for v in description.modelVariables if v.type == "Real")
     without = {v.name for v in description.modelVariables if v.type == "Real" and v.unit == "1"}
     numbers = {"drem.Delta", "tve", "innovation", "load_sigma", "degrees_of_freedom", "V_magnitude_bias"}
-    numbers |= {"I_magnitude_bias", "dropout", "gross_error_probability", "gross_error", "S10", "S12", "angle_innovation", "power_mismatch"}
+    numbers |= {
+        "I_magnitude_bias",
+        "dropout",
+        "gross_error_probability",
+        "gross_error",
+        "S10",
+        "S12",
+        "angle_innovation",
+        "power_mismatch",
+    }
     assert {name for name in without if not name.startswith("overparameterised.")} <= numbers
 
 
