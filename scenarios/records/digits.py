@@ -58,6 +58,7 @@ def digit(number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def by_python(values: np.ndarray, decimals: int, end: int) -> np.ndarray:
     cells = [f"{value:.{decimals}f}" if np.isfinite(value) else "nan" for value in values.tolist()]
+    cells = [cell.lstrip("-") if cell.startswith("-") and float(cell) == 0 else cell for cell in cells]
     width = max(map(len, cells))
     text = np.array([cell.encode().ljust(width, b"\0") for cell in cells], dtype=f"S{width}")
     characters = text.view(np.uint8).reshape(len(cells), width)

@@ -56,3 +56,9 @@ def as_json(findings: Sequence[Finding]) -> list[dict[str, Any]]:
         }
         for finding in findings
     ]
+
+
+def print_data(console: Console, findings: Sequence[Finding]) -> None:
+    """Of machine data alone."""
+    for finding in findings:
+        say(console, f"{finding.grade}: {finding.measured} ({finding.lines[0]})")
