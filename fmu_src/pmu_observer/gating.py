@@ -11,12 +11,11 @@ from .angle import Estimate
 from .interface import Scalar
 from .linear import propagate
 from .machines.two_axis import Constants
-from .observer_interface import MEASURED, PHASORS, STAMPED, Inputs, Parameters, system_base
+from .observer_interface import MEASURED, PHASORS, STAMPED, Inputs, Parameters, system_base, system_transformer
 from .phasors import (
     LOWEST_VOLTAGE,
     Frame,
     Signals,
-    behind_resistance,
     is_consistent,
     is_finite,
     measurement,
@@ -25,6 +24,7 @@ from .phasors import (
 )
 from .sampling import Interval
 from .speed.rotor import Rotor, predict
+from .terminal import at_machine, behind_impedance
 
 STILL = 1e-4
 """rad, the resolution of a PMU's angles: a rotor that turns less may well give the same frame again."""
@@ -106,16 +106,17 @@ def receive(
 
     ones = Frame(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)  # math.cos(inf) raises
     frame = xp.cond(usable, lambda: Frame(V, theta, I, xp.where(phi_came, phi, 0.0), P, Q), lambda: ones)
-    at_terminal = measurement(xp, frame, P_m, E_f, from_phasors)._replace(
+    at_pmu = measurement(xp, frame, P_m, E_f, from_phasors)._replace(
         tve=tve, E_f_known=xp.where(p.field_voltage == MEASURED, 1.0, 0.0)
     )
-    s = signals(xp, c, behind_resistance(xp, at_terminal, system_base(p).Ra))
+    at_terminal = at_machine(xp, at_pmu, system_transformer(p))
+    s = signals(xp, c, behind_impedance(xp, at_terminal, system_base(p).Ra, 0.0))
     return Received(
         signals=s,
         frame=frame,
         usable=xp.where(xp.logical_and(usable, is_consistent(xp, c, s)), 1.0, 0.0),
         complete=xp.where(complete, 1.0, 0.0),
-        power_mismatch=xp.where(phi_came, power_mismatch(xp, c, frame, at_terminal), 0.0),
+        power_mismatch=xp.where(phi_came, power_mismatch(xp, c, frame, at_pmu), 0.0),
     )
 
 

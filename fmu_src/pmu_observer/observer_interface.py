@@ -8,6 +8,7 @@ from .interface import INLINE, Boolean, Enumeration, Integer, Real, Rule, Scalar
 from .machines.data import Machine, on_system_base, reactance_rules
 from .phasors import Frame
 from .speed import SPEED_OBSERVERS
+from .terminal import Transformer, transformer_on_system_base
 
 WAITING, CAPTURING, TRACKING, HOLDING = 0, 1, 2, 3
 """Values of status."""
@@ -47,8 +48,11 @@ def of_each(kind: str, modules: Dict[str, Any]):
 
 class Parameters(NamedTuple):
     machine: Annotated[Machine, INLINE] = Machine(D=0.0)
+    transformer: Annotated[Transformer, INLINE] = Transformer()
     S_base: Annotated[Scalar, Real("MVA", "base of the frames and of P_m", min=1e-6, max=1e6, nominal=100.0)] = 100.0
-    S_n: Annotated[Scalar, Real("MVA", "base of the machine's parameters", min=1e-6, max=1e6, nominal=100.0)] = 100.0
+    S_n: Annotated[
+        Scalar, Real("MVA", "base of the parameters of machine and transformer", min=1e-6, max=1e6, nominal=100.0)
+    ] = 100.0
     estimator: Annotated[Scalar, Enumeration("Estimator", "estimator of E'd and E'q", tuple(ESTIMATORS))] = number(
         "robust", ESTIMATORS
     )
@@ -115,8 +119,10 @@ def deviation(unit, of, known_to):
 
 
 class Outputs(NamedTuple):
-    delta: Annotated[Scalar, Real("rad", "rotor angle in the frame of theta_t, unwrapped")] = 0.0
-    load_angle: Annotated[Scalar, Real("rad", "delta - theta_t, in (-pi, pi]")] = 0.0
+    delta: Annotated[Scalar, Real("rad", "rotor angle in the frame of theta_t less shift, unwrapped")] = 0.0
+    load_angle: Annotated[
+        Scalar, Real("rad", "delta less the angle of the voltage at the machine's terminal, in (-pi, pi]")
+    ] = 0.0
     omega: Annotated[Scalar, Real("rad/s", "deviation from synchronous speed")] = 0.0
     e1d: Annotated[Scalar, Real("pu", "E'd, d-axis transient voltage")] = 0.0
     e1q: Annotated[Scalar, Real("pu", "E'q, q-axis transient voltage")] = 0.0
@@ -158,6 +164,10 @@ class Outputs(NamedTuple):
 
 def system_base(p: Parameters) -> Machine:
     return on_system_base(p.machine, p.S_n, p.S_base)
+
+
+def system_transformer(p: Parameters) -> Transformer:
+    return transformer_on_system_base(p.transformer, p.S_n, p.S_base)
 
 
 def rules(xp, p: Parameters, inputs: Inputs) -> List[Rule]:

@@ -105,20 +105,6 @@ def is_finite(xp, values, limit=ABSURD):
     return finite
 
 
-def behind_resistance(xp, m: Measurement, Ra) -> Measurement:
-    """The terminal moved behind the stator resistance: V + Ra I, P + Ra I^2; the machine there has Ra = 0.
-
-    -Ra moves it back.
-    """
-    along = m.V + Ra * m.P / m.V  # V + Ra I in the frame of V, where I = (P - jQ)/V
-    across = -Ra * m.Q / m.V
-    return m._replace(
-        theta=m.theta + xp.atan2(across, along),
-        V=xp.maximum(xp.sqrt(along * along + across * across), LOWEST_VOLTAGE),  # a wild frame: see is_consistent
-        P=m.P + Ra * m.I * m.I,
-    )
-
-
 def signals(xp, c: Constants, m: Measurement) -> Signals:
     """Y1, Y2, Y3 and A of Lemma 2, with z0 = y6 + y2^2/x'.
 

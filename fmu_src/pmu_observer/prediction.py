@@ -15,10 +15,10 @@ from .observer_interface import (
     of_each,
     system_base,
 )
-from .phasors import behind_resistance
 from .sampling import ahead
 from .speed import SPEED_OBSERVERS
 from .speed import rotor as swing
+from .terminal import behind_impedance
 
 
 def predict(name: str, xp, p: Parameters, c: Constants, state) -> Outputs:
@@ -40,7 +40,7 @@ def predict(name: str, xp, p: Parameters, c: Constants, state) -> Outputs:
     for key, module in SPEED_OBSERVERS.items():
         c = module.constants(c, getattr(state.speed, key))
     rotor_now = swing.predict(xp, c, rotor, coming, rotor.P_m, p.mechanical_power == MEASURED)
-    terminal = behind_resistance(xp, frame, -m.Ra)
+    terminal = behind_impedance(xp, frame, -m.Ra, 0.0)
 
     # behind x'd the estimator sees E'd + (x'q - x'd) Iq: exact in steady state
     angle = rotor.delta - frame.theta
