@@ -12,11 +12,14 @@ from .scenario import Csv
 ROUNDING = 1e-6
 """s; a recorded time stamp may be rounded."""
 
+STAMP = Variable("t_frame", "s", causality="output", variability="discrete")
+
 
 class Record:
     """A CSV file: lines that begin with # are comments, the first other line names the columns.
 
-    At time t it gives the last row whose time is not after t: a frame is never interpolated.
+    At time t it gives the last row whose time is not after t: a frame is never interpolated. `t_frame` is that row's
+    time, if no column says otherwise.
     """
 
     feedthrough: frozenset[str] = frozenset()
@@ -29,11 +32,12 @@ class Record:
                 raise ScenarioError(
                     f'{where}: {our} needs a column "{missing}" of {csv.file}; {alternatives(missing, list(columns))}'
                 )
-        self.variables: Mapping[str, Variable] = {n: column(where, n, formula) for n, formula in csv.columns.items()}
+        given = {name: column(where, name, formula) for name, formula in csv.columns.items()}
+        self.variables: Mapping[str, Variable] = {STAMP.name: STAMP, **given}
         if column(where, "time", csv.time).unit != "s":
             raise ScenarioError(f'{where}: time is in {csv.time.written_unit}; convert it to seconds: "t/1000 [s]"')
         self.times = csv.time(columns)
-        self.values = {name: formula(columns) for name, formula in csv.columns.items()}
+        self.values = {STAMP.name: self.times, **{name: formula(columns) for name, formula in csv.columns.items()}}
         if not np.all(np.diff(self.times) > 0):
             raise ScenarioError(f"{where}: the times of {csv.file} do not increase; sort its rows")
         self.file, self.where = csv.file, where
