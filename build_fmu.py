@@ -14,7 +14,8 @@ from fmu_src.runtime.python import build as python_fmu
 from fmu_src.systems.smib import SYSTEM
 
 OUT = Path("dist")
-README = Path(__file__).parent / "README.md"
+ROOT = Path(__file__).parent
+INTERFACES = ROOT / "fmu_src" / "models" / "README.md"
 
 
 def all_models() -> dict[str, tuple[str, Model]]:
@@ -72,11 +73,13 @@ def main() -> int:
     parser.add_argument("--out", metavar="DIR", type=Path, default=OUT, help="where to write (default: %(default)s)")
     parser.add_argument("--native", action="store_true", help="build those without Python inside (extra: native)")
     parser.add_argument("--ssp", action="store_true", help=f"build {SYSTEM.name}.ssp of native FMUs: a system to run")
-    parser.add_argument("--readme", action="store_true", help="write the interface tables into README.md instead")
+    parser.add_argument(
+        "--readme", action="store_true", help="write the interface tables into fmu_src/models/README.md instead"
+    )
     arguments = parser.parse_args()
     if arguments.readme:
-        changed = readme.update(README, [model for _, model in all_models().values()])
-        print(f"{README}  {'updated' if changed else 'is up to date'}")
+        changed = readme.update(INTERFACES, [model for _, model in all_models().values()])
+        print(f"{INTERFACES.relative_to(ROOT)}  {'updated' if changed else 'is up to date'}")
         return 0
     try:
         if arguments.ssp:

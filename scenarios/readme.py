@@ -1,18 +1,18 @@
-"""The README's results and figures, from what the runs have written into results/."""
+"""The results and figures that READMEs show, from what the runs have written into results/."""
 
 import json
 import shutil
 from math import prod
 from pathlib import Path
 
-from build_fmu import README
 from fmu_src.runtime import readme
 
 from . import loader
 from .errors import ScenarioError
 from .plan import sweep_text, value_text
 
-GALLERY = Path(__file__).parent / "gallery"
+FOLDER = Path(__file__).parent
+GALLERY = FOLDER / "gallery"
 
 FIGURES = {
     "paper_drem": "states",
@@ -29,8 +29,12 @@ def update(results: Path) -> None:
     rows = ["| scenario | of | when | expected | measured |", "|---|---|---|---|---|"]
     for name in loader.names():
         rows += rows_of(summary(results, name, f"run {name}"))
-    readme.write(README, "results", "\n".join(rows))
-    readme.write(README, "compare", "\n".join(rows_of_comparison(summary(results, "compare", "compare"))))
+    readme.write(FOLDER / "README.md", "results", "\n".join(rows))
+    readme.write(
+        FOLDER / "compare" / "README.md",
+        "compare",
+        "\n".join(rows_of_comparison(summary(results, "compare", "compare"))),
+    )
     for name, figure in FIGURES.items():
         shutil.copy(results / name / f"{figure}.png", GALLERY / f"{name}.png")
 

@@ -13,13 +13,15 @@ from scenarios import readme as results
 
 def test_interface_tables_are_up_to_date(tmp_path):
     """Else: python build_fmu.py --readme."""
-    copy = Path(shutil.copy(build_fmu.README, tmp_path))
+    copy = Path(shutil.copy(build_fmu.INTERFACES, tmp_path))
     assert not readme.update(copy, [model for _, model in build_fmu.all_models().values()])
 
 
 def test_the_first_two_sh_blocks_are_one_command_each():
     """The first runs the main job, the second the tests; .ci/run takes the second from here."""
-    blocks = re.findall(r"^```sh\n(.*?)^```$", build_fmu.README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    blocks = re.findall(
+        r"^```sh\n(.*?)^```$", (build_fmu.ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
     main_job, tests = blocks[:2]
     assert main_job.count("\n") == tests.count("\n") == 1
     assert "python -m scenarios run" in main_job

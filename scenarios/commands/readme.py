@@ -1,4 +1,4 @@
-"""Write what all runs in results/ have measured into README.md: the tables between its markers, and the figures."""
+"""Write what all runs in results/ have measured into the READMEs here: the tables between markers, and the figures."""
 
 import argparse
 
@@ -6,8 +6,8 @@ from rich.console import Console
 
 from .. import readme, study
 
-HELP = "write what all runs in results/ have measured into README.md"
-EXAMPLES = [("readme", "the README's tables and figures, from results/")]
+HELP = "write what all runs in results/ have measured into the READMEs"
+EXAMPLES = [("readme", "tables and figures of the READMEs, from results/")]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

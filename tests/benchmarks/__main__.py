@@ -1,4 +1,4 @@
-"""python -m tests.benchmarks [--readme]: what tests/benchmarks measure, as a table, printed or put into README.md."""
+"""python -m tests.benchmarks [--readme]: what tests/benchmarks measure, as a table, printed or put into README.md here."""
 
 import argparse
 import json
@@ -19,7 +19,7 @@ def run() -> dict:
     with TemporaryDirectory() as folder:
         file = Path(folder) / "benchmarks.json"
         command = [sys.executable, "-m", "pytest", "-q", "-n0", "tests/benchmarks", "--benchmark-only"]
-        subprocess.run([*command, f"--benchmark-json={file}"], cwd=build_fmu.README.parent, check=True)
+        subprocess.run([*command, f"--benchmark-json={file}"], cwd=build_fmu.ROOT, check=True)
         return json.loads(file.read_text(encoding="utf-8"))
 
 
@@ -60,13 +60,13 @@ def sentences(fastest: dict[str, float], found: dict) -> list[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--readme", action="store_true", help="write the table into README.md")
+    parser.add_argument("--readme", action="store_true", help="write the table into tests/benchmarks/README.md")
     arguments = parser.parse_args()
     if find_spec("pytest_benchmark") is None:
         parser.error("pytest-benchmark is not installed: pip install '.[test,bench]'")
     text = table(run())
     if arguments.readme:
-        readme.write(build_fmu.README, "benchmarks", text)
+        readme.write(Path(__file__).with_name("README.md"), "benchmarks", text)
     else:
         print(text)
 

@@ -29,7 +29,7 @@ def main() -> None:
             build_fmu.build_native(name, folder, build_fmu.say)
         text = table(folder)
     if arguments.readme:
-        readme.write(build_fmu.README, "importers", text)
+        readme.write(build_fmu.ROOT / "README.md", "importers", text)
     else:
         print(text)
 
