@@ -6,7 +6,6 @@ A grid at 60.5 Hz: at nominal frequency the angles stand still, and no misdated 
 from contextlib import ExitStack
 from functools import partial
 from math import pi
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -43,7 +42,7 @@ class Run(NamedTuple):
         return np.sqrt(np.mean(self.error[(self.t >= begin) & (self.t < end)] ** 2, axis=0))
 
 
-def co_simulate(fmus, rate: float, steps, observers: dict[str, dict], pmu=MappingProxyType({})) -> dict[str, Run]:
+def co_simulate(fmus, rate: float, steps, observers: dict[str, dict], latency: float = 0.0) -> dict[str, Run]:
     """A run of each observer, given by its parameters, all fed by one PMU."""
     with ExitStack() as opened:
 
@@ -56,7 +55,7 @@ def co_simulate(fmus, rate: float, steps, observers: dict[str, dict], pmu=Mappin
 
         plant = slave("SmibPlant", "plant", {**MACHINE, **PLANT})
         plant.set({"P_m": P_M, "f_inf": 60.5})
-        channel = slave("PmuChannel", "channel", {"rate": rate, "tve": TVE, "seed": 3, **pmu})
+        channel = slave("PmuChannel", "channel", {"rate": rate, "tve": TVE, "seed": 3, "latency": latency})
         observing = {
             label: slave("PmuObserver", label, {**MACHINE, "tve": TVE, **own}) for label, own in observers.items()
         }
@@ -127,7 +126,7 @@ def test_latency_costs_the_prediction(fmus):
     late = {"frame_time": STAMPED, "frame_period": 1 / 60}
     found = []
     for latency in (0.0, 5 / 60):
-        run = co_simulate(fmus, 60, np.full(480, 1 / 60), {"observer": late}, {"latency": latency})["observer"]
+        run = co_simulate(fmus, 60, np.full(480, 1 / 60), {"observer": late}, latency)["observer"]
         assert run.status == {2}
         found.append(run.rms(3.0, FAULT))
     # over 5/60 s, omega's error of 2.6 mrad/s adds 0.2 mrad to delta, and the noise of one frame's P, 0.1 % of 6.5 pu,

@@ -1,4 +1,4 @@
-"""python -m tests.benchmarks [--readme]: what tests/benchmarks measure, as a table, printed or put into README.md here."""
+"""python -m tests.benchmarks [--readme]: what this folder measures, as a table, printed or put into its README.md."""
 
 import argparse
 import json
