@@ -1,6 +1,7 @@
 """The figures of a run: [[figure]] in its scenario."""
 
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib
@@ -20,6 +21,12 @@ PANEL = (5.2, 2.9)
 """inches, width and height"""
 
 STYLES = ("-", "--", ":", "-.")
+
+LABEL = 30
+"""Characters that a line beside an axis holds."""
+
+COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#7f7f7f"]
+"""Of Okabe and Ito, told apart with any colour vision; the truth is black."""
 
 
 def draw(results: Results, figure: Figure, path: Path) -> None:
@@ -45,6 +52,7 @@ def draw(results: Results, figure: Figure, path: Path) -> None:
                 ax.legend(frameon=True, fontsize="small")
         canvas.suptitle(figure.title)
         canvas.savefig(path, dpi=120)
+        canvas.savefig(path.with_suffix(".svg"))
         plt.close(canvas)
 
 
@@ -75,7 +83,7 @@ def draw_panel(results: Results, figure: Figure, panel: Panel, chosen: dict[str,
             key = sweep_text({k: value for k, value in signal.sweep.items() if k not in chosen})
             # in a facet only the first curve, the truth, is black
             coloured = key or (chosen and number)
-            colour = colours.setdefault(key, f"C{len(colours)}") if coloured else "black"
+            colour = colours.setdefault(key, COLOURS[len(colours) % len(COLOURS)]) if coloured else "black"
             # what the axis says already is not repeated: "observer, gamma = 1e15"
             named = signal.name if len(quantities) > 1 else name.partition(".")[0] if "." in name else ""
             lines += ax.plot(
@@ -91,10 +99,9 @@ def draw_panel(results: Results, figure: Figure, panel: Panel, chosen: dict[str,
                 if deviation.sweep == signal.sweep:
                     middle, half = results.of(signal)[shown], 2 * results.of(deviation)[shown]
                     ax.fill_between(results.time[shown], middle - half, middle + half, color=colour, alpha=0.2, lw=0)
-    text = quantities.pop() if len(quantities) == 1 else ""
+    text = panel.title.format(**chosen)
     unit = "" if list(units) == ["1"] else f"[{', '.join(units)}]"
-    ax.set_ylabel(f"{f'|{text}|' if panel.log else text} {unit}".strip())
-    ax.set_title(panel.title.format(**chosen), fontsize="medium")
+    ax.set_ylabel(fill(f"{f'|{text}|' if panel.log else text} {unit}".strip(), LABEL))
     if panel.log:
         ax.set_yscale("log")
     if panel.range:
