@@ -24,7 +24,7 @@ def main() -> None:
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        for name in ("SmibPlant", "PmuObserver"):
+        for name in build_fmu.native_names():
             build_fmu.build(name, folder)
             build_fmu.build_native(name, folder, build_fmu.say)
         text = table(folder)

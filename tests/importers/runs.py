@@ -51,9 +51,9 @@ def results(importer: Importer, folder: Path) -> dict[str, float]:
 
 
 def difference(importer: Importer, folder: Path) -> float:
-    """The largest difference of its results from FMPy's."""
+    """The largest difference of its results from FMPy's; which instant the channel shows is up to the importer."""
     own, reference = results(importer, folder), results(IMPORTERS[0], folder)
-    return max(abs(own[name] - value) for name, value in reference.items())
+    return max(abs(own[name] - value) for name, value in reference.items() if not name.startswith("channel."))
 
 
 def verdict(importer: Importer, folder: Path, kind: str) -> str:

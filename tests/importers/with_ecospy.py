@@ -1,10 +1,10 @@
-"""ecos, in C++, through ecospy. It ignores Enumeration variables: the default estimator runs."""
+"""ecos, in C++, through ecospy. It ignores Enumeration variables: choices are made by number."""
 
 from ctypes import CDLL, RTLD_GLOBAL
 from pathlib import Path
 
 from . import tbb
-from .case import FRAME, OBSERVER, PLANT, RESULTS, STARTS, STEPS, H, main
+from .case import CONNECTIONS, FMUS, INTEGERS, REALS, RESULTS, STEPS, H, main, split
 
 
 def run(folder: Path) -> dict[str, float]:
@@ -12,11 +12,12 @@ def run(folder: Path) -> dict[str, float]:
     from ecospy import EcosSimulation, EcosSimulationStructure
 
     with EcosSimulationStructure() as structure:
-        structure.add_model("plant", folder / PLANT)
-        structure.add_model("observer", folder / OBSERVER)
-        for name in FRAME:
-            structure.make_real_connection(f"plant::{name}", f"observer::{name}")
-        structure.add_parameter_set("start", {f"observer::{name}": value for name, value in STARTS.items()})
+        for name, fmu in FMUS.items():
+            structure.add_model(name, folder / fmu)
+        for target, source in CONNECTIONS.items():
+            structure.make_real_connection(*("::".join(split(end)) for end in (source, target)))
+        starts = {"::".join(split(name)): value for name, value in {**REALS, **INTEGERS}.items()}
+        structure.add_parameter_set("start", starts)
         simulation = EcosSimulation(structure=structure, step_size=H)
     simulation.init(parameter_set="start")
     simulation.step(STEPS)

@@ -3,21 +3,33 @@
 from pathlib import Path
 
 from ..fmu.instance import OK, Instance
-from .case import FRAME, OBSERVER, PLANT, RESULTS, STARTS, STEPS, H, main
+from .case import CONNECTIONS, FMUS, INTEGERS, REALS, RESULTS, STEPS, H, main, of, split
 
 
 def run(folder: Path) -> dict[str, float]:
-    plant = Instance(folder / PLANT, "plant").initialise()
-    observer = Instance(folder / OBSERVER, "observer")
-    observer.initialise(**STARTS, **dict(zip(FRAME, plant.get(*FRAME), strict=True)))
+    instances = {name: Instance(folder / fmu, name) for name, fmu in FMUS.items()}
+
+    def exchange() -> None:
+        values = {target: instances[c].get(name)[0] for target, (c, name) in sources.items()}
+        for name, instance in instances.items():
+            instance.set(**{target.replace(".", "__"): value for target, value in of(name, values).items()})
+
+    sources = {target: split(source) for target, source in CONNECTIONS.items()}
+    for name, instance in instances.items():
+        instance.set(**of(name, {**REALS, **INTEGERS}))
+        instance.slave.setupExperiment(startTime=0.0)
+        instance.slave.enterInitializationMode()
+    for _ in instances:
+        exchange()
+    for instance in instances.values():
+        instance.slave.exitInitializationMode()
     for k in range(STEPS):
-        observer.set(**dict(zip(FRAME, plant.get(*FRAME), strict=True)))
-        assert plant.step(k * H, H) == OK
-        assert observer.step(k * H, H) == OK
-    instances = {"plant": plant, "observer": observer}
+        exchange()
+        for instance in instances.values():
+            assert instance.step(k * H, H) == OK
     results = {f"{name}.{v}": instances[name].get(v)[0] for name, names in RESULTS.items() for v in names}
-    plant.free()
-    observer.free()
+    for instance in instances.values():
+        instance.free()
     return results
 
 

@@ -1,27 +1,30 @@
-"""libcosim, in C++, through libcosimpy. It ignores Enumeration variables: the default estimator runs."""
+"""libcosim, in C++, through libcosimpy. It ignores Enumeration variables: choices are made by number."""
 
 from pathlib import Path
 
+from libcosimpy.CosimEnums import CosimVariableCausality, CosimVariableType
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
 
-from .case import FRAME, OBSERVER, PLANT, RESULTS, STARTS, STEPS, H, main
+from .case import CONNECTIONS, FMUS, INTEGERS, REALS, RESULTS, STEPS, H, main, split
 
 
 def run(folder: Path) -> dict[str, float]:
     execution = CosimExecution.from_step_size(round(H * 1e9))
-    slaves = {"plant": PLANT, "observer": OBSERVER}
-    index = {name: execution.add_local_slave(CosimLocalSlave(str(folder / fmu), name)) for name, fmu in slaves.items()}
+    index = {name: execution.add_local_slave(CosimLocalSlave(str(folder / fmu), name)) for name, fmu in FMUS.items()}
     references = {
         name: {variable.name.decode(): variable.reference for variable in execution.slave_variables(index[name])}
-        for name in slaves
+        for name in FMUS
     }
-    plant, observer = references["plant"], references["observer"]
-    for name in FRAME:
-        execution.connect_real_variables(index["plant"], plant[name], index["observer"], observer[name])
-    for name, value in STARTS.items():
-        execution.real_initial_value(index["observer"], observer[name], value)
+    for target, source in CONNECTIONS.items():
+        (end, end_variable), (start, start_variable) = split(target), split(source)
+        ends = index[start], references[start][start_variable], index[end], references[end][end_variable]
+        execution.connect_real_variables(*ends)
+    for set_initial, values in ((execution.real_initial_value, REALS), (execution.integer_initial_value, INTEGERS)):
+        for name, value in values.items():
+            component, variable = split(name)
+            set_initial(index[component], references[component][variable], value)
     last = CosimObserver.create_last_value()
     execution.add_observer(last)
     assert execution.step(STEPS)
@@ -30,6 +33,31 @@ def run(folder: Path) -> dict[str, float]:
         values = last.last_real_values(index[component], [references[component][name] for name in names])
         results |= {f"{component}.{name}": value for name, value in zip(names, values, strict=True)}
     return results
+
+
+def is_real_output(variable) -> bool:
+    causality, kind = CosimVariableCausality(variable.causality), CosimVariableType(variable.type)
+    return (causality, kind) == (CosimVariableCausality.OUTPUT, CosimVariableType.REAL)
+
+
+def simulate(folder: Path, steps: int) -> list[dict[str, float]]:
+    """The outputs of every component of an unpacked SSP after each step: `component.variable`, Reals only."""
+    execution = CosimExecution.from_ssp_file(str(folder))
+    last = CosimObserver.create_last_value()
+    execution.add_observer(last)
+    slaves = {info.name.decode(): info.index for info in execution.slave_infos()}
+    outputs = {
+        name: [v for v in execution.slave_variables(index) if is_real_output(v)] for name, index in slaves.items()
+    }
+    rows = []
+    for _ in range(steps):
+        assert execution.step()
+        row = {}
+        for name, variables in outputs.items():
+            values = last.last_real_values(slaves[name], [v.reference for v in variables])
+            row |= {f"{name}.{v.name.decode()}": value for v, value in zip(variables, values, strict=True)}
+        rows.append(row)
+    return rows
 
 
 if __name__ == "__main__":

@@ -64,6 +64,8 @@ class Outputs(NamedTuple):
     e1q: Annotated[Scalar, Real("pu", "E'q, q-axis transient voltage")] = 0.0
     E_f_start: Annotated[Scalar, Real("pu", "field voltage that the equilibrium at the start needs")] = 0.0
     t_frame: Annotated[Scalar, Real("s", "time of these values on the simulation's clock")] = 0.0
+    P_m_out: Annotated[Scalar, Real("pu", "the input P_m, for what travels with a frame")] = 0.0
+    E_f_out: Annotated[Scalar, Real("pu", "the input E_f, for what travels with a frame")] = 0.0
 
 
 class Rotor(NamedTuple):
@@ -176,7 +178,7 @@ def outputs(xp, p: Parameters, state: State, inputs: Inputs, t) -> Outputs:
         P_t=Vd * i.d + Vq * i.q,
         Q_t=Vq * i.d - Vd * i.q,
     )
-    return Outputs(frame, delta, load_angle, omega, e1d, e1q, state.E_f_start, t)
+    return Outputs(frame, delta, load_angle, omega, e1d, e1q, state.E_f_start, t, inputs.P_m, inputs.E_f)
 
 
 def from_field_voltage(xp, p: Parameters, inputs: Inputs) -> Rotor:
