@@ -81,8 +81,8 @@ class FmuSlave:
             found.update(zip(group, self._call(self.accessors[type_][0], references), strict=True))
         return [float(found[name]) for name in names]
 
-    def enter_initialization(self, stop: float) -> None:
-        self._call(self.slave.setupExperiment, None, 0.0, stop)
+    def enter_initialization(self, stop: float | None, start: float = 0.0) -> None:
+        self._call(self.slave.setupExperiment, None, start, stop)
         self._call(self.slave.enterInitializationMode)
 
     def exit_initialization(self) -> None:

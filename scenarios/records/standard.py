@@ -163,7 +163,10 @@ def read(path: Path | str) -> StandardRecord:
         raise RecordError(f'{path} has no column "{missing[0]}"; {alternatives(missing[0], names)}; {CONVERT}')
     table = read_rows(path, body[1:], [names.index(name) for name in COLUMNS if name in names])
     found = dict(zip([name for name in COLUMNS if name in names], table.T, strict=True))
-    return assemble(found, facts, path)
+    record = assemble(found, facts, path)
+    if len(record) < 2:
+        raise RecordError(f"{path} holds {len(record)} rows: too few to observe anything")
+    return record
 
 
 CONVERT = "python -m scenarios convert makes a standard record of other files"
@@ -183,8 +186,6 @@ def read_rows(path: Path, rows: Sequence[str], columns: Sequence[int]) -> np.nda
 def assemble(found: Mapping[str, np.ndarray], facts: Facts, path: Path | str = "the record") -> StandardRecord:
     """A record from the columns that there are. P and Q follow from the phasors where they are missing."""
     time = found["time"]
-    if len(time) < 2:
-        raise RecordError(f"{path} holds {len(time)} rows: too few to observe anything")
     bad = np.flatnonzero(~(np.diff(time) > 0))
     if len(bad):
         raise RecordError(f"{path}: time does not increase after {time[bad[0]]:.6f} s; {CONVERT}")

@@ -1,0 +1,1 @@
+"""The observer FMU over a record: `python -m scenarios observe`."""
