@@ -66,7 +66,7 @@ def facets(results: Results, figure: Figure) -> list[dict[str, Any]]:
 
 
 def draw_panel(results: Results, figure: Figure, panel: Panel, chosen: dict[str, Any], ax: Axes) -> list[Line2D]:
-    """What is not swept in black, each value of a sweep in its colour, each further curve in its own style.
+    """The first curve in black, if it is not swept; a colour for each value of a sweep, a style for each further curve.
 
     Two standard deviations on either side of a curve with a band. Only what agrees with the `chosen` facet is drawn.
     """
@@ -81,8 +81,8 @@ def draw_panel(results: Results, figure: Figure, panel: Panel, chosen: dict[str,
         # later ones are thinner: what lies on top of each other is seen
         for signal, width in zip(signals, np.linspace(1.4 + 1.2 * (len(signals) > 1), 1.4, len(signals)), strict=True):
             key = sweep_text({k: value for k, value in signal.sweep.items() if k not in chosen})
-            # in a facet only the first curve, the truth, is black
-            coloured = key or (chosen and number)
+            # what is not swept is black, but for the curves beside it: the first one is the truth
+            coloured = key or number
             colour = colours.setdefault(key, COLOURS[len(colours) % len(COLOURS)]) if coloured else "black"
             # what the axis says already is not repeated: "observer, gamma = 1e15"
             named = signal.name if len(quantities) > 1 else name.partition(".")[0] if "." in name else ""

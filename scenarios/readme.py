@@ -18,6 +18,7 @@ FIGURES = {
     "paper_drem": "states",
     "record_g6": "states",
     "smib_fault": "states",
+    "noise_smib_fault": "bands",
     "ieee39_all": "load_angles",
     "compare": "capture",
 }
