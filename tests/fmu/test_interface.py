@@ -120,8 +120,8 @@ def test_structure(dist, name):
     if name == "PmuChannel":
         assert all(names == set(CONTRACT[name]["input"]) for names in direct.values())
     elif name == "SmibPlant":
-        at_once = {*FRAME, "load_angle"}
-        assert direct == {output: {"V_inf", "theta_inf"} if output in at_once else set() for output in outputs}
+        expected = {output: set() for output in outputs} | {"P_m_out": {"P_m"}, "E_f_out": {"E_f"}}
+        assert direct == expected | {output: {"V_inf", "theta_inf"} for output in (*FRAME, "load_angle")}
     else:
         assert not any(direct.values())
 

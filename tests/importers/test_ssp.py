@@ -116,13 +116,14 @@ def test_the_same_fmus_give_the_same_bytes(shipped, native_dist):
 
 def test_the_system_is_described(shipped, tmp_path):
     """FMPy checks the schema of SSP 1.0: units, a set of values a machine, connectors of the system in its variant."""
-    assert read_ssd(str(shipped)).system.connectors == []
+    system = read_ssd(str(shipped)).system
+    assert system and system.connectors == []
     with zipfile.ZipFile(shipped) as content:
         text = content.read("container.ssd").decode()
     with zipfile.ZipFile(tmp_path / "container.ssp", "w") as content:
         content.writestr("SystemStructure.ssd", text)
-    ssd = read_ssd(str(tmp_path / "container.ssp"))
-    assert {connector.name for connector in ssd.system.connectors} == set(SYSTEM.outputs)
+    system = read_ssd(str(tmp_path / "container.ssp")).system
+    assert system and {connector.name for connector in system.connectors} == set(SYSTEM.outputs)
     assert '<ssc:Real unit="rad" />' in text and '<ssc:Unit name="rad">' in text
     for name, expected in SYSTEM.sets.items():
         found = read_ssv(str(shipped), resource=f"resources/{name}.ssv")

@@ -21,10 +21,12 @@ def run(folder: Path) -> dict[str, float]:
         (end, end_variable), (start, start_variable) = split(target), split(source)
         ends = index[start], references[start][start_variable], index[end], references[end][end_variable]
         execution.connect_real_variables(*ends)
-    for set_initial, values in ((execution.real_initial_value, REALS), (execution.integer_initial_value, INTEGERS)):
-        for name, value in values.items():
-            component, variable = split(name)
-            set_initial(index[component], references[component][variable], value)
+    for name, value in REALS.items():
+        component, variable = split(name)
+        execution.real_initial_value(index[component], references[component][variable], value)
+    for name, value in INTEGERS.items():
+        component, variable = split(name)
+        execution.integer_initial_value(index[component], references[component][variable], value)
     last = CosimObserver.create_last_value()
     execution.add_observer(last)
     assert execution.step(STEPS)
