@@ -45,7 +45,7 @@ def fault(native_dist, tmp_path_factory) -> Path:
 
 def with_fmpy(path: Path, tmp_path: Path) -> dict[str, np.ndarray]:
     rows = simulate_ssp(str(path), stop_time=STEPS * H - H / 2, step_size=H, parameter_set=read_bound(path))
-    return {name: rows[name] for name in rows.dtype.names}
+    return {name: rows[name] for name in rows.dtype.names or ()}
 
 
 def with_ecos(path: Path, tmp_path: Path) -> dict[str, np.ndarray]:
