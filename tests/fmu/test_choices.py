@@ -2,6 +2,7 @@
 
 from ctypes import c_double, c_uint
 from math import inf, nan
+from typing import Any
 
 import pytest
 
@@ -18,8 +19,8 @@ def path(request):
     return folder / request.param / "PmuObserver.fmu"
 
 
-def run(observer, **start):
-    observer.initialise(**GOOD, **start)
+def run(path, start: dict[str, Any]):
+    observer = Instance(path, **start).initialise(**GOOD)
     for k in range(30):
         observer.set(**{**GOOD, "theta_t": 0.1 + 0.01 * k, "phi_t": 0.01 * k, "t_frame": (k - 2) * H})
         assert observer.step(k * H, H) == OK
@@ -36,10 +37,10 @@ def as_real(observer, name, value):
 def test_a_number_chooses_what_the_enumeration_does(path, name):
     """Before what the enumeration says, which here is the other one; and the choice changes the outputs."""
     number = CHOICES[name]
-    chosen = run(Instance(path, **{name: number}))
+    chosen = run(path, {name: number})
     assert run(Instance(path, **{f"{name}_number": number})) == chosen
     assert run(Instance(path, **{name: 1, f"{name}_number": number})) == chosen
-    assert run(Instance(path, **{name: 1})) != chosen
+    assert run(path, {name: 1}) != chosen
 
 
 def test_every_enumeration_has_a_number(path):
