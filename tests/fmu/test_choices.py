@@ -38,8 +38,8 @@ def test_a_number_chooses_what_the_enumeration_does(path, name):
     """Before what the enumeration says, which here is the other one; and the choice changes the outputs."""
     number = CHOICES[name]
     chosen = run(path, {name: number})
-    assert run(Instance(path, **{f"{name}_number": number})) == chosen
-    assert run(Instance(path, **{name: 1, f"{name}_number": number})) == chosen
+    assert run(path, {f"{name}_number": number}) == chosen
+    assert run(path, {name: 1, f"{name}_number": number}) == chosen
     assert run(path, {name: 1}) != chosen
 
 

@@ -1,4 +1,4 @@
-"""The native FMUs as files: the interface of the Python ones, reproducible, for three platforms, with their sources."""
+"""The native FMUs as files: the interface of the Python ones, reproducible, for five platforms, with their sources."""
 
 import re
 import shutil
@@ -77,7 +77,7 @@ def exports(path, binary):
     """The names that the binary of a platform exports, without the underscore that Mach-O puts before each."""
     with zipfile.ZipFile(path) as fmu:
         content = fmu.read(f"binaries/{binary}")
-    if binary.startswith("linux64"):
+    if binary.endswith(".so"):
         elf = lief.ELF.parse(list(content))
         assert elf
         return [[str(symbol.name) for symbol in elf.exported_symbols]]
@@ -91,7 +91,7 @@ def exports(path, binary):
     return [[str(symbol.name).removeprefix("_") for symbol in slice.exported_symbols] for slice in fat]
 
 
-@pytest.mark.parametrize("binary", ["linux64/{}.so", "win64/{}.dll", "darwin64/{}.dylib"])
+@pytest.mark.parametrize("binary", ["linux64/{}.so", "aarch64-linux/{}.so", "win64/{}.dll", "darwin64/{}.dylib"])
 def test_the_binaries_export_the_functions_of_fmi_and_no_others(path, binary):
     for names in exports(path, binary.format(path.stem)):
         assert set(names) - (MACH_O_IMAGE if "darwin" in binary else set()) == FMI_FUNCTIONS
@@ -135,5 +135,5 @@ def test_the_command_says_what_it_does(tmp_path):
     root = Path(build_fmu.__file__).parent
     command = [sys.executable, "build_fmu.py", "--native", "--only", "SmibPlant", "--out", str(tmp_path)]
     result = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
-    words = ("SmibPlant: equations to C", "linux64, win64, darwin64", "SmibPlant.fmu", " kB")
+    words = ("SmibPlant: equations to C", "linux64, win64, darwin64, aarch64-linux", "SmibPlant.fmu", " kB")
     assert all(word in result.stdout for word in words)

@@ -1,4 +1,4 @@
-"""Building the native FMU of a model: binaries for every platform of FMI 2.0 with 64 bits, made on any one of them.
+"""Building the native FMU of a model: binaries for five platforms with 64 bits, made on any one of them.
 
 The compiler is Zig's clang, from PyPI, which brings the C libraries of all targets along. The sources are packed too,
 for every other platform: `fmpy compile` makes a binary of them.
@@ -31,8 +31,10 @@ TARGETS = {
     "linux64": (".so", ["x86_64-linux-gnu.2.17"]),
     "win64": (".dll", ["x86_64-windows-gnu"]),
     "darwin64": (".dylib", ["x86_64-macos.10.15", "aarch64-macos.11.0"]),
+    "aarch64-linux": (".so", ["aarch64-linux-gnu.2.17"]),
 }
-"""FMI platform: suffix of its binaries, and what they are compiled for."""
+"""FMI platform (Linux on ARM by its name of FMI 3.0, as FMI 2.0.4 has it; macOS on ARM is in darwin64): suffix of its
+binaries, and what they are compiled for."""
 
 # no contraction of a*b + c into one rounding, so that C and Python agree to the last bit
 FLAGS = [
@@ -86,13 +88,14 @@ def binaries(name: str, code: Dict[str, bytes]) -> Dict[str, bytes]:
     with TemporaryDirectory() as folder, ThreadPoolExecutor() as compilers:
         for file, content in code.items():
             (Path(folder) / file).write_bytes(content)
+        suffixes = {target: suffix for suffix, targets in TARGETS.values() for target in targets}
         jobs = {
-            f"binaries/{platform}/{name}{suffix}": [
-                compilers.submit(compile_for, target, name + suffix, folder) for target in targets
-            ]
+            target: compilers.submit(compile_for, target, name + suffix, folder) for target, suffix in suffixes.items()
+        }
+        return {
+            f"binaries/{platform}/{name}{suffix}": universal([jobs[target].result() for target in targets])
             for platform, (suffix, targets) in TARGETS.items()
         }
-        return {place: universal([job.result() for job in parts]) for place, parts in jobs.items()}
 
 
 def compile_for(target: str, library: str, folder: str) -> bytes:

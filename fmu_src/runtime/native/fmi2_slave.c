@@ -671,24 +671,29 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 
 /* What modelDescription.xml says the slave cannot do; exported because some importers bind every name of FMI 2.0. ---- */
 
-#define NOT_SUPPORTED(function, ...) \
-    fmi2Status function(fmi2Component c, __VA_ARGS__) { return not_supported(c, #function); }
+#define NOT_SUPPORTED(function, unused, ...) \
+    fmi2Status function(fmi2Component c, __VA_ARGS__) { \
+        unused; \
+        return not_supported(c, #function); \
+    }
 
-NOT_SUPPORTED(fmi2GetDirectionalDerivative, const fmi2ValueReference unknowns[], size_t n_unknowns,
-              const fmi2ValueReference knowns[], size_t n_knowns, const fmi2Real seed[], fmi2Real sensitivity[])
-NOT_SUPPORTED(fmi2SetRealInputDerivatives, const fmi2ValueReference references[], size_t count,
-              const fmi2Integer order[], const fmi2Real values[])
-NOT_SUPPORTED(fmi2GetRealOutputDerivatives, const fmi2ValueReference references[], size_t count,
-              const fmi2Integer order[], fmi2Real values[])
-NOT_SUPPORTED(fmi2NewDiscreteStates, fmi2EventInfo *info)
-NOT_SUPPORTED(fmi2CompletedIntegratorStep, fmi2Boolean no_set_fmu_state_prior, fmi2Boolean *enter_event_mode,
-              fmi2Boolean *terminate)
-NOT_SUPPORTED(fmi2SetTime, fmi2Real time)
-NOT_SUPPORTED(fmi2SetContinuousStates, const fmi2Real states[], size_t count)
-NOT_SUPPORTED(fmi2GetDerivatives, fmi2Real derivatives[], size_t count)
-NOT_SUPPORTED(fmi2GetEventIndicators, fmi2Real indicators[], size_t count)
-NOT_SUPPORTED(fmi2GetContinuousStates, fmi2Real states[], size_t count)
-NOT_SUPPORTED(fmi2GetNominalsOfContinuousStates, fmi2Real nominals[], size_t count)
+NOT_SUPPORTED(fmi2GetDirectionalDerivative,
+              ((void)unknowns, (void)n_unknowns, (void)knowns, (void)n_knowns, (void)seed, (void)sensitivity),
+              const fmi2ValueReference unknowns[], size_t n_unknowns, const fmi2ValueReference knowns[],
+              size_t n_knowns, const fmi2Real seed[], fmi2Real sensitivity[])
+NOT_SUPPORTED(fmi2SetRealInputDerivatives, ((void)references, (void)count, (void)order, (void)values),
+              const fmi2ValueReference references[], size_t count, const fmi2Integer order[], const fmi2Real values[])
+NOT_SUPPORTED(fmi2GetRealOutputDerivatives, ((void)references, (void)count, (void)order, (void)values),
+              const fmi2ValueReference references[], size_t count, const fmi2Integer order[], fmi2Real values[])
+NOT_SUPPORTED(fmi2NewDiscreteStates, (void)info, fmi2EventInfo *info)
+NOT_SUPPORTED(fmi2CompletedIntegratorStep, ((void)no_set_fmu_state_prior, (void)enter_event_mode, (void)terminate),
+              fmi2Boolean no_set_fmu_state_prior, fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
+NOT_SUPPORTED(fmi2SetTime, (void)time, fmi2Real time)
+NOT_SUPPORTED(fmi2SetContinuousStates, ((void)states, (void)count), const fmi2Real states[], size_t count)
+NOT_SUPPORTED(fmi2GetDerivatives, ((void)derivatives, (void)count), fmi2Real derivatives[], size_t count)
+NOT_SUPPORTED(fmi2GetEventIndicators, ((void)indicators, (void)count), fmi2Real indicators[], size_t count)
+NOT_SUPPORTED(fmi2GetContinuousStates, ((void)states, (void)count), fmi2Real states[], size_t count)
+NOT_SUPPORTED(fmi2GetNominalsOfContinuousStates, ((void)nominals, (void)count), fmi2Real nominals[], size_t count)
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) { return not_supported(c, "fmi2EnterEventMode"); }
 

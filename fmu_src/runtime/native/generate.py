@@ -7,7 +7,6 @@ from math import inf
 from pathlib import Path
 from typing import Any, Dict, List
 
-import fmpy
 from casadi import SX, Function, GlobalOptions, vertcat
 
 from ...pmu_observer import tree
@@ -19,7 +18,8 @@ from ..ports import Port, kind_of, ports
 from .c_code import c_function, number
 
 RUNTIME = Path(__file__).with_name("fmi2_slave.c")
-HEADERS = sorted((Path(fmpy.__file__).parent / "c-code").glob("fmi2*.h"))  # the official ones
+HEADERS = sorted((Path(__file__).parent / "headers").glob("fmi2*.h"))
+"""Those of the FMI project, unchanged (2-clause BSD): with FMI2_FUNCTION_PREFIX, several FMUs make one program."""
 
 MODEL_H = """\
 /* Generated from the declaration of {name}: its variables, and its equations. */
