@@ -1,5 +1,6 @@
 """The names of a scenario: components, their variables and their instances. What is not found is a ScenarioError."""
 
+import csv
 from collections.abc import Iterable, Mapping
 from itertools import product
 from pathlib import Path
@@ -8,7 +9,6 @@ from typing import Any
 from .component import Component, Variable
 from .errors import ScenarioError, alternatives
 from .plan import Instance, agree, sweep_text
-from .record import read_columns
 from .scenario import Scenario
 
 
@@ -89,9 +89,24 @@ def instances_of(scenario: Scenario, name: str) -> Iterable[Instance]:
 
 
 def rows_of(where: str, path: Path) -> list[dict[str, Any]]:
-    columns = read_columns(path, where)
-    rows = zip(*[column.tolist() for column in columns.values()], strict=True)
-    return [{name: int(v) if v.is_integer() else v for name, v in zip(columns, row, strict=True)} for row in rows]
+    """The rows of a CSV: numbers, and texts such as the name of a unit; empty cells are left out."""
+    try:
+        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip() and line[0] != "#"]
+        names, *rows = csv.reader(lines, skipinitialspace=True)
+        return [{n: cell_of(c) for n, c in zip(names, row, strict=True) if c.strip()} for row in rows]
+    except FileNotFoundError:
+        raise ScenarioError(f"{where}: there is no file {path}; give its path from the scenario's folder") from None
+    except ValueError as error:
+        raise ScenarioError(f"{where}: {path} is not a table separated by commas: {error}") from error
+
+
+def cell_of(text: str) -> Any:
+    """A whole number, a number, or a text."""
+    try:
+        value = float(text)
+    except ValueError:
+        return text.strip()
+    return int(value) if value.is_integer() else value
 
 
 def split(where: str, reference: str) -> tuple[str, str]:

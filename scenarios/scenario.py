@@ -93,11 +93,21 @@ class Fmu(Table):
 
 
 class Csv(Table):
-    """A recorded CSV as a source. `columns` gives our variables as expressions of its columns."""
+    """A recorded file as a source: a standard record; or any that `map` reads, see scenarios/records; or a CSV of
+    which `columns` gives our variables as expressions of its columns."""
 
     file: str
-    time: Formula
-    columns: Annotated[dict[str, Formula], BeforeValidator(flat)]
+    map: str | None = None
+    time: Formula | None = None
+    columns: Annotated[dict[str, Formula], BeforeValidator(flat)] = {}
+
+    @model_validator(mode="after")
+    def check(self) -> Self:
+        if bool(self.columns) != (self.time is not None):
+            raise ValueError("time and columns go together; a standard record, or a file with a map, needs neither")
+        if self.map and self.columns:
+            raise ValueError("give map, or time and columns")
+        return self
 
 
 class Change(Table):

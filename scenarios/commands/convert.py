@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     new(out, arguments.force)
     if out.resolve() == path.resolve():
         raise UserError(f"{out} is the file itself; give another --out")
-    table = open_table(path, chosen.file.format, chosen.file.separator, chosen.file.decimal)
+    table = map.open_table(chosen, path)
     V_n = 1e3 * machine.V_n if machine and machine.V_n else None
     with progress_bar(console) as progress:
         done = convert(table, chosen, str(arguments.map), out, path.name, V_n, progress)

@@ -81,6 +81,17 @@ def convert(
     return done
 
 
+def in_memory(table: Table, map: Map, where: str) -> StandardRecord:
+    """The standard record of a table, not written. Raises MapError and RecordError."""
+    conversion = bind(map, table, where)
+    pieces = list(placed(table, conversion, lambda done: None))
+    if not pieces:
+        raise RecordError(f"no row can be read by {where}")
+    rows, done = [rows for rows, _ in pieces], pieces[0][1]
+    columns = {name: np.concatenate([piece[name] for piece in rows]) for name in rows[0]}
+    return assemble(columns, facts_of(conversion, done.raster, where))
+
+
 def placed(
     table: Table, conversion: Conversion, progress: Callable[[float], None]
 ) -> Iterator[tuple[dict[str, np.ndarray], Converted]]:

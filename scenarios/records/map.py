@@ -14,7 +14,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from ..errors import UserError, alternatives
-from . import times, units
+from . import readers, times, units
+from .readers import Table
 
 
 class MapError(UserError):
@@ -242,6 +243,11 @@ def load(path: Path | str) -> Map:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise MapError(f"{path} is not TOML: {error}") from error
     return parse(content, str(path))
+
+
+def open_table(chosen: Map, path: Path) -> Table:
+    """The table in a file, as the map says it is written. Raises RecordError."""
+    return readers.open_table(path, chosen.file.format, chosen.file.separator, chosen.file.decimal)
 
 
 def parse(content: dict[str, Any], where: str) -> Map:

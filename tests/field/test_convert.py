@@ -8,7 +8,6 @@ import pytest
 from scenarios import loader
 from scenarios.records import map, standard
 from scenarios.records.conversion import Converted, convert
-from scenarios.records.readers import open_table
 
 from . import exports
 
@@ -36,7 +35,7 @@ def converted(tmp_path):
     def run(path, text: str) -> tuple[standard.StandardRecord, Converted]:
         (tmp_path / "map.toml").write_text(text, encoding="utf-8")
         chosen = map.load(tmp_path / "map.toml")
-        table = open_table(path, chosen.file.format, chosen.file.separator, chosen.file.decimal)
+        table = map.open_table(chosen, path)
         out = tmp_path / "record.csv"
         done = convert(table, chosen, "map.toml", out, path.name)
         return standard.read(out), done

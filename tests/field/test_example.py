@@ -73,3 +73,39 @@ def test_fmpy_takes_a_standard_record(here):
     assert {"time", "t_frame", "frame_valid", "V_t"} <= set(table.dtype.names or ()) and np.isnan(
         table["V_t"]
     ).sum() == 43
+
+
+def test_a_scenario_takes_a_file_with_its_map(here, tmp_path):
+    """And the machines of machines.csv, by name."""
+    (tmp_path / "s.toml").write_text("""
+    title = "A utility's file as a source"
+    step = "1/60"
+    stop = 4.0
+    fmu.observer.model = "PmuObserver"
+    fmu.observer.rows = "scenarios/data/machines.csv"
+    csv.record = { file = "scenarios/data/utility_g6.csv", map = "scenarios/data/utility_g6.toml" }
+    connect.observer = "record"
+    [fmu.observer.parameters]
+    H = "{H}"
+    xd = "{xd}"
+    xd1 = "{xd1}"
+    xq = "{xq}"
+    xq1 = "{xq1}"
+    Td10 = "{Td10}"
+    Tq10 = "{Tq10}"
+    S_n = "{S_n}"
+    omega_s = "{omega_s}"
+    D = "{D}"
+    field_voltage = "estimated"
+    mechanical_power = "estimated"
+    frame_time = "stamped"
+    [[expect]]
+    variable = "observer.e1q"
+    each.unit = "G6"
+    at = 4.0
+    near = 1.041
+    within = 0.005
+    """)
+    assert main(["run", str(tmp_path / "s.toml")]) == 0
+    (tmp_path / "s.toml").write_text((tmp_path / "s.toml").read_text().replace("utility_g6.toml", "no.toml"))
+    assert main(["run", str(tmp_path / "s.toml")]) == 2
