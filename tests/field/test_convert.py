@@ -21,7 +21,7 @@ DIGITS = {
 
 @pytest.fixture(scope="session")
 def truth() -> standard.StandardRecord:
-    whole = standard.read(loader.FOLDER / "data" / "record_g6_6th_order.csv")
+    whole = standard.read(loader.FOLDER / "data" / "genrou_k3_fault.csv")
     arrays = {name: getattr(whole, name)[:FRAMES] for name in standard.COLUMNS}
     lag = arrays["theta_t"] - arrays["phi_t"]
     arrays["P_t"], arrays["Q_t"] = (arrays["V_t"] * arrays["I_t"] * part(lag) for part in (np.cos, np.sin))
