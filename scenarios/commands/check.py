@@ -28,10 +28,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     from ..machines.table import read_machine
-    from ..records import checks, report, standard
+    from ..records import checks, report, streaming
 
     machine = read_machine(arguments.machine, arguments.unit) if arguments.machine else None
-    findings = checks.check(standard.read(arguments.record), machine)
+    findings = checks.check(streaming.sample(arguments.record), machine)
     nonsense = checks.is_nonsense(findings)
     if arguments.json:
         found = {"record": str(arguments.record), "nonsense": nonsense, "findings": report.as_json(findings)}

@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from . import standard
 from .readers import delimited
 from .readers.wide import distinct
@@ -32,3 +34,22 @@ def pieces(path: Path) -> Iterator[tuple[StandardRecord, float]]:
             raise RecordError(f"{path}: time does not increase after {last:.6f} s; {standard.CONVERT}")
         last = record.time[-1]
         yield record, block.done
+
+
+LARGE = 50_000_000
+"""Bytes; a longer file is checked on a sample."""
+
+SOME = 2000
+"""Frames of each further piece."""
+
+
+def sample(path: Path) -> StandardRecord:
+    """The record to check: all of it, or of a long file the first piece and SOME frames of each other."""
+    if not path.is_file() or path.stat().st_size < LARGE:
+        return standard.read(path)
+    parts = []
+    for record, _ in pieces(path):
+        some = slice(SOME if parts else None)
+        parts.append({name: getattr(record, name)[some] for name in COLUMNS})
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
+    return standard.assemble(columns, facts(path), path)
