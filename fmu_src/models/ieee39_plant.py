@@ -1,7 +1,7 @@
 """Ieee39Plant.fmu: the IEEE 39-bus system, ten machines seen by PMUs."""
 
 from ..pmu_observer.plants.ieee39 import plant
-from ..runtime.model import Model, Program
+from ..runtime.model import Model, Program, Terminal
 
 MODEL = Model(
     name="Ieee39Plant",
@@ -13,5 +13,12 @@ MODEL = Model(
     rules=plant.rules,
     step_size=1 / 60,
     stop_time=20.0,
+    about="A plant to try observers on: at each of ten generators the frame that a PMU would give, and the true "
+    "states. Loads vary by chance; a load step, a fault and the trip of a branch can be set.",
+    limits=(
+        "There is no native kind, because the equations need numpy; C hosts may crash when they exit.",
+        "The machines are two-axis models; loads are admittances.",
+    ),
+    terminals={f"G{k}": Terminal("output", f"what a PMU at generator {k} measures", f"G{k}.") for k in range(1, 11)},
     requirements=("numpy",),
 )

@@ -4,7 +4,7 @@ from functools import partial
 
 from ..pmu_observer import observer
 from ..pmu_observer.estimators import ESTIMATORS
-from ..runtime.model import Model, Program
+from ..runtime.model import Model, Program, Terminal
 
 MODEL = Model(
     name="PmuObserver",
@@ -17,4 +17,16 @@ MODEL = Model(
     rules=observer.rules,
     input_variability="discrete",
     step_size=1 / 60,
+    about="From the frames of a PMU at the terminal and the machine's data it estimates rotor angle, speed and the "
+    "transient voltages E'd and E'q, each with a standard deviation. Source: Bobtsov, Ortega, Nikolaev, Schiffer and "
+    "Lorenz-Meyer, State Observation of Power Systems Equipped with Phasor Measurement Units, 2020. Connect the frame "
+    "and t_frame, set the machine's data and frame_time; the default estimator needs no start values and no gains.",
+    limits=(
+        "The machine's data must be known: what a wrong reactance or time constant costs is in the project's README.",
+        "drem and the paper's other estimators follow exact signals; on noisy frames take robust, the default.",
+        "Until status is 2 (tracking) the estimates are those of a bank of hypotheses, with large deviations.",
+        "In masters that set inputs, step and read outputs in one go, a frame reaches the observer a step or two late: "
+        "with frame_time = stamped it is dated right, and the estimates are predictions over that time.",
+    ),
+    terminals={"pmu": Terminal("input", "the frame of a PMU, and the machine's inputs")},
 )

@@ -30,6 +30,14 @@ class Program(NamedTuple):
     output: Optional[Callable[..., Tree]] = None
 
 
+class Terminal(NamedTuple):
+    """Those variables of a PMU's frame that have the prefix, among the inputs or among the outputs."""
+
+    causality: str
+    description: str
+    prefix: str = ""
+
+
 def no_rules(xp, parameters, inputs) -> List[Rule]:
     return []
 
@@ -55,6 +63,12 @@ class Model(NamedTuple):
     """s; of the default experiment."""
     stop_time: float = 10.0
     """s; of the default experiment."""
+    about: str = ""
+    """What it is, in some sentences for its documentation."""
+    limits: Tuple[str, ...] = ()
+    """What it does not do, a sentence each."""
+    terminals: Dict[str, Terminal] = {}
+    """By name: what is plugged as one."""
     requirements: Tuple[str, ...] = ()
     """Packages beyond the standard library that the Python FMU imports."""
 

@@ -26,12 +26,18 @@ def alike(found: List[Port]) -> List[List[Port]]:
 
 
 def row(group: List[Port]) -> str:
+    names, *others = cells(group)
+    code = "`" + names.replace(" ... ", "` ... `") + "`"
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (code, *others)) + " |"
+
+
+def cells(group: List[Port]) -> List[str]:
+    """What a table says of variables that are alike: names, causality, start, unit or range, meaning."""
     (name, specification, start), causality, variability = group[0]
-    names = f"`{name}`" if len(group) == 1 else f"`{name}` ... `{group[-1].variable.name}`"
+    names = name if len(group) == 1 else f"{name} ... {group[-1].variable.name}"
     tunable = " (tunable)" if variability == "tunable" else ""
     shown = "" if causality == "output" else start_value(specification, start)
-    cells = (names, causality + tunable, shown, allowed(specification), specification.description)
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+    return [names, causality + tunable, shown, allowed(specification), specification.description]
 
 
 def start_value(specification, start) -> str:

@@ -13,7 +13,9 @@ from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Callable, Dict, List
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from ..companions import companions
 from ..model import Model
 from ..modeldescription import model_description
 from ..package import content_hash, guid_of, write_fmu
@@ -58,7 +60,8 @@ def build(model: Model, path: Path, say: Callable[[str], None]) -> bool:
     say(f"{model.name}: equations to C")
     compiler = f"ziglang {metadata.version('ziglang')} {FLAGS} {TARGETS}".encode()
     described = {"modelDescription.xml": description(model, ""), "compiler": compiler}
-    guid = guid_of(content_hash({**sources(model, ""), **described}))
+    beside = {**companions(model), "sources/buildDescription.xml": build_description(model)}
+    guid = guid_of(content_hash({**sources(model, ""), **described, **beside}))
     if is_current(path, description(model, guid)):
         return False
 
@@ -67,11 +70,25 @@ def build(model: Model, path: Path, say: Callable[[str], None]) -> bool:
     files = {f"sources/{name}": content for name, content in code.items()}
     files["modelDescription.xml"] = description(model, guid)
     files["documentation/licenses/license.txt"] = LICENSE.read_bytes()
+    files.update(beside)
     return write_fmu(path, {**files, **binaries(model.name, code)})
 
 
 def description(model: Model, guid: str) -> bytes:
     return model_description(model, guid, CAPABILITIES, source_files=("fmi2_slave.c",))
+
+
+def build_description(model: Model) -> bytes:
+    """sources/buildDescription.xml, in the form of FMI 3.0 that FMI 2.0.4 takes over."""
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = SubElement(root, "BuildConfiguration", modelIdentifier=model.name)
+    files = SubElement(configuration, "SourceFileSet", language="C99")
+    SubElement(files, "SourceFile", name="fmi2_slave.c")
+    SubElement(
+        configuration, "Library", name="m", external="true", description="the C library's own, where it is apart"
+    )
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
 
 
 def is_current(path: Path, wanted: bytes) -> bool:

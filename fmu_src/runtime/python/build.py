@@ -14,6 +14,7 @@ from typing import Dict
 
 import pythonfmu
 
+from ..companions import companions
 from ..model import Model
 from ..modeldescription import model_description
 from ..package import content_hash, guid_of, write_fmu
@@ -69,6 +70,7 @@ def build(model: Model, module: str, path: Path) -> bool:
     files["modelDescription.xml"] = model_description(model, guid_of(digest), CAPABILITIES)
     for binary in sorted((PYTHONFMU / "resources" / "binaries").glob("*/*")):
         files[f"binaries/{binary.parent.name}/{model.name}{binary.suffix}"] = binary.read_bytes()
+    files.update(companions(model))
     files["documentation/licenses/license.txt"] = (SOURCES.parent / "LICENSE").read_bytes()
     files["documentation/licenses/pythonfmu.txt"] = pythonfmu_license()
     return write_fmu(path, files)
