@@ -97,7 +97,11 @@ def placed(
 ) -> Iterator[tuple[dict[str, np.ndarray], Converted]]:
     """Blocks of rows on the raster, each with what has been met so far."""
     done: Converted | None = None
+    broken = 0
     for block in table.blocks(conversion.numbers, conversion.texts):
+        broken += block.broken
+        if done is not None:
+            done.broken = broken
         if len(block) == 0:
             continue
         ns = conversion.stamps(block.columns)
@@ -107,7 +111,7 @@ def placed(
         values = conversion.values(block.columns)
         done.angles = done.angles.widened(conversion.angles(block.columns))
         rows, count = done.raster.place(ns, values)
-        done.broken += block.broken
+        done.broken = broken
         if count:
             rows["frame_valid"] = np.nan_to_num(rows["frame_valid"])
             done.unusable += int(np.sum(values["frame_valid"] == 0))
