@@ -2,6 +2,7 @@
 
 import hashlib
 import zipfile
+from importlib import metadata
 from io import BytesIO
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -9,6 +10,20 @@ from typing import Dict
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time stamp a zip can hold, for every file."""
+
+
+def license_text() -> bytes:
+    """The project's LICENSE: beside the sources, or among the metadata of the package that is installed."""
+    beside = Path(__file__).resolve().parents[2] / "LICENSE"
+    if beside.exists():
+        return beside.read_bytes()
+    return distributed_license("pmu-observer")
+
+
+def distributed_license(package: str) -> bytes:
+    """Of an installed package. Raises IndexError if it brings none."""
+    found = [file for file in metadata.files(package) or [] if file.name == "LICENSE"]
+    return Path(str(found[0].locate())).read_bytes()
 
 
 def content_hash(files: Dict[str, bytes]) -> str:

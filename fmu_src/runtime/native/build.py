@@ -18,10 +18,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from ..companions import companions
 from ..model import Model
 from ..modeldescription import model_description
-from ..package import content_hash, guid_of, write_fmu
+from ..package import content_hash, guid_of, license_text, write_fmu
 from .generate import sources
-
-LICENSE = Path(__file__).resolve().parents[3] / "LICENSE"
 
 CAPABILITIES = {
     "needsExecutionTool": "false",
@@ -69,7 +67,7 @@ def build(model: Model, path: Path, say: Callable[[str], None]) -> bool:
     code = sources(model, guid)
     files = {f"sources/{name}": content for name, content in code.items()}
     files["modelDescription.xml"] = description(model, guid)
-    files["documentation/licenses/license.txt"] = LICENSE.read_bytes()
+    files["documentation/licenses/license.txt"] = license_text()
     files.update(beside)
     return write_fmu(path, {**files, **binaries(model.name, code)})
 

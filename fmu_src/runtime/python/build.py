@@ -7,7 +7,6 @@ a hash of its content, with relative imports only: two FMUs never see each other
 import json
 import subprocess
 import sys
-from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Dict
@@ -17,7 +16,7 @@ import pythonfmu
 from ..companions import companions
 from ..model import Model
 from ..modeldescription import model_description
-from ..package import content_hash, guid_of, write_fmu
+from ..package import content_hash, distributed_license, guid_of, license_text, write_fmu
 
 SOURCES = Path(__file__).resolve().parents[2]
 PYTHONFMU = Path(pythonfmu.__file__).parent
@@ -71,14 +70,9 @@ def build(model: Model, module: str, path: Path) -> bool:
     for binary in sorted((PYTHONFMU / "resources" / "binaries").glob("*/*")):
         files[f"binaries/{binary.parent.name}/{model.name}{binary.suffix}"] = binary.read_bytes()
     files.update(companions(model))
-    files["documentation/licenses/license.txt"] = (SOURCES.parent / "LICENSE").read_bytes()
-    files["documentation/licenses/pythonfmu.txt"] = pythonfmu_license()
+    files["documentation/licenses/license.txt"] = license_text()
+    files["documentation/licenses/pythonfmu.txt"] = distributed_license("pythonfmu")
     return write_fmu(path, files)
-
-
-def pythonfmu_license() -> bytes:
-    found = [file for file in metadata.files("pythonfmu") or [] if file.name == "LICENSE"]
-    return Path(str(found[0].locate())).read_bytes()
 
 
 def slave_source(model: Model, module: str, package: str, digest: str) -> bytes:
