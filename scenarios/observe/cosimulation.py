@@ -51,7 +51,6 @@ class Observer:
         for name, used in (("P_m", P_m), ("E_f", E_f)):
             if not used:
                 given[:, INPUTS.index(name)] = 0.0
-        given[~record.frame_valid, 1:] = 0.0
         given = np.ascontiguousarray(given)
         reals = np.zeros((n, len(self.real_outputs)))
         wholes = np.zeros((n, len(self.whole_outputs)), dtype=np.int32)

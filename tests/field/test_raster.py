@@ -48,11 +48,18 @@ def test_every_frame_has_its_row_and_every_gap_its_lost_ones(seed, rate):
 
 
 def test_repeated_and_older_frames_are_left_out_and_counted():
-    ns = stamps(50, 10)[[0, 1, 1, 2, 3, 2, 1, 4, 5, 6, 7, 8, 9]]
+    ns = stamps(50, 10)[[0, 1, 1, 2, 3, 1, 2, 4, 5, 6, 7, 8, 9]]
     raster = Raster.learnt(ns, 50.0)
     placed, _ = raster.place(ns, {"x": np.arange(13.0)})
     assert (raster.frames, raster.repeated, raster.backward, raster.lost) == (10, 1, 2, 0)
     np.testing.assert_array_equal(placed["x"], [0, 1, 3, 4, 7, 8, 9, 10, 11, 12])  # the first of each
+
+
+def test_a_float_of_seconds_since_1970_keeps_its_microseconds():
+    microseconds = np.arange(0, 10**6, 997, dtype=np.int64)
+    ns = times.from_numbers(START // SECOND + microseconds / 1e6, 1.0)
+    np.testing.assert_array_equal(ns, START + 1000 * microseconds)
+    assert times.from_numbers(np.array([1.000000017, np.nan]), 1.0).tolist() == [1_000_000_017, times.NOT_A_TIME]
 
 
 def test_spread_stamps_are_kept_as_they_are():
