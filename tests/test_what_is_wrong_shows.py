@@ -13,7 +13,7 @@ from fmu_src.pmu_observer import confidence, observer
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.machines.data import ieee39_g6
 from fmu_src.pmu_observer.phasors import Frame
-from scenarios.studies import frames
+from scenarios.bench import frames
 
 TVE, PERIOD, SETTLED = 0.002, 1 / 60, 300
 TRUTH = frames.record(frames.RECORD_G6)
@@ -21,9 +21,8 @@ G6 = ieee39_g6()
 
 
 def noisy_frames():
-    rng = np.random.default_rng(1)
-    received = frames.noise(TVE)(0, rng, TRUTH.V, TRUTH.I)
-    return [Frame(*map(float, row)) for row in zip(*frames.frame(received.V, received.I), strict=True)]
+    received = frames.arriving(TRUTH, frames.noise(TVE), 1)
+    return [Frame(*[float(value[0]) for value in frames.frame(*phasors)]) for *phasors, _ in received]
 
 
 FRAMES = noisy_frames()

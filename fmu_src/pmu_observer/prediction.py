@@ -12,7 +12,6 @@ from .observer_interface import (
     TRACKING,
     Outputs,
     Parameters,
-    of_each,
     system_base,
 )
 from .sampling import ahead
@@ -78,9 +77,9 @@ def predict(name: str, xp, p: Parameters, c: Constants, state) -> Outputs:
         angle_innovation=rotor.innovation,
         power_mismatch=state.power_mismatch,
         status=xp.where(held, HOLDING, xp.where(estimate.capturing > 0.5, CAPTURING, TRACKING)),
-        speed=of_each("Outputs", SPEED_OBSERVERS)._replace(
+        speed=Outputs().speed._replace(
             **{key: module.outputs(xp, getattr(state.speed, key)) for key, module in SPEED_OBSERVERS.items()}
         ),
-        estimators=of_each("Outputs", ESTIMATORS)._replace(**{name: ESTIMATORS[name].outputs(xp, state.estimator)}),
+        estimators=Outputs().estimators._replace(**{name: ESTIMATORS[name].outputs(xp, state.estimator)}),
     )
     return xp.cond(state.started > 0, lambda: outputs, Outputs)

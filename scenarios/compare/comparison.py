@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..studies import frames, machines
+from ..bench import frames, machines
+from ..bench import smib_fault as the_fault
 from . import batch, runs, tuning
 
 
 def smib_fault() -> frames.Truth:
-    """The plant and the fault of scenarios/smib_fault.toml."""
-    return machines.simulate(machines.g6_behind_line(t_fault=10.0, t_clear=10.1, x_fault=0.03), 20.0)
+    return machines.simulate(the_fault.plant(the_fault.fault()), 20.0)
 
 
 class Judged(NamedTuple):

@@ -16,9 +16,9 @@ from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.phasors import Frame
 
 from .. import study
+from ..bench import frames, machines
+from ..bench.frames import PERIOD
 from ..fmu import Fmu
-from ..studies import frames, machines
-from ..studies.frames import PERIOD
 from . import filterpy_filters, model, runs, tuning
 
 FRAMES, REPEATS = 600, 5
@@ -111,9 +111,10 @@ def on_filterpy(peer, noisy: runs.Frames) -> float:
 
 def on_arrays() -> float:
     """The fastest step of all machines, over their number."""
-    truth = machines.simulate(machines.random_machines(MACHINES, np.random.default_rng(1)), BANK_FRAMES * PERIOD)
+    truth = machines.simulate(machines.random_machines(MACHINES, 1), BANK_FRAMES * PERIOD)
+    received = list(frames.arriving(truth, frames.noise(TVE), 1))
     times, begin = [], process_time()
-    for _ in frames.observe(truth, frames.noise(TVE), 1, tve=TVE):
+    for _ in frames.observe("robust", frames.for_seeds(truth), received, tve=TVE):
         times.append(process_time() - begin)
         begin = process_time()
     return min(times[1:]) / MACHINES  # the first one starts them too

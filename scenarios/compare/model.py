@@ -12,6 +12,7 @@ import numpy as np
 
 from fmu_src.pmu_observer.interface import Scalar
 from fmu_src.pmu_observer.machines.two_axis import Constants
+from fmu_src.pmu_observer.plants import runge_kutta
 
 ALPHA, BETA, KAPPA = 1.0, 2.0, 0.0
 """Of the UKF's sigma points (Merwe); with alpha = 1 they lie 2 standard deviations out."""
@@ -44,16 +45,8 @@ def derivative(xp, c: Constants, x, u: Inputs):
 
 
 def f(xp, c: Constants, x, u: Inputs, h):
-    """x after h with u constant, by Runge-Kutta of order 4."""
-
-    def moved(slope, span):
-        return [value + span * rate for value, rate in zip(x, slope, strict=True)]
-
-    k1 = derivative(xp, c, x, u)
-    k2 = derivative(xp, c, moved(k1, h / 2), u)
-    k3 = derivative(xp, c, moved(k2, h / 2), u)
-    k4 = derivative(xp, c, moved(k3, h), u)
-    return moved([(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)], h)
+    """x after h with u constant."""
+    return runge_kutta.step(lambda x: derivative(xp, c, x, u), tuple(x), h)
 
 
 def f_jacobian(c: Constants, x, u: Inputs, h):

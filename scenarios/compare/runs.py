@@ -7,11 +7,11 @@ import numpy as np
 
 from fmu_src.pmu_observer import observer
 from fmu_src.pmu_observer.angle import unwrap
-from fmu_src.pmu_observer.carriers import arrays
 from fmu_src.pmu_observer.machines.two_axis import constants
 
-from ..studies import frames
-from ..studies.frames import PERIOD, Truth
+from ..bench import frames
+from ..bench.frames import PERIOD, Truth
+from ..bench.streams import Streams, numbers
 from . import model
 
 
@@ -41,10 +41,10 @@ class Errors(NamedTuple):
 
 def noisy(truth: Truth, tves, seeds: int, seed: int) -> Frames:
     """The same noise for every TVE, but for its size."""
-    rng = np.random.default_rng(seed)
     tve = np.asarray(tves, float)[:, None]
-    shape = (len(truth.V), 1, seeds)
-    V, I = (x[:, None, None] * (1 + tve * frames.unit_noise(rng, shape)) for x in (truth.V, truth.I))  # noqa: E741
+    streams, channel = Streams(numbers(seed, (1, seeds))), frames.noise(tve)
+    received = [channel(k, streams, *phasors) for k, phasors in enumerate(zip(truth.V, truth.I, strict=True))]
+    V, I = (np.array([getattr(each, name) for each in received]) for name in ("V", "I"))  # noqa: E741 - the paper's name
     return Frames(truth, tve, V, I)
 
 
@@ -57,15 +57,10 @@ def errors(truth: Truth, k: int, x, tracking=1.0):
 
 def run_observer(name: str, noisy: Frames, progress: Callable[[], None], **parameters) -> Errors:
     """The observer with the estimator `name`; its parameters may be arrays that broadcast with (TVEs, seeds)."""
-    truth = noisy.truth
-    p = observer.Parameters(machine=truth.machine, tve=noisy.tve, **parameters)
-    state, rows = None, []
-    for k in range(len(truth.V) - 1):
-        inputs = observer.Inputs(frames.frame(noisy.V[k], noisy.I[k]), truth.P_m[k], truth.E_f[k])
-        if state is None:
-            state, _ = observer.start(name, arrays, p, inputs, 0.0)
-        state, o = observer.step(name, arrays, p, state, inputs, k * PERIOD, PERIOD)
-        rows.append(errors(truth, k, (o.delta, o.omega, o.e1d, o.e1q), o.status == observer.TRACKING))
+    received = (frames.Received(*phasors) for phasors in zip(noisy.V, noisy.I, strict=True))
+    rows = []
+    for k, o in enumerate(frames.observe(name, noisy.truth, received, tve=noisy.tve, **parameters)):
+        rows.append(errors(noisy.truth, k, (o.delta, o.omega, o.e1d, o.e1q), o.status == observer.TRACKING))
         progress()
     return Errors(*map(np.array, zip(*rows, strict=True)))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fmu_src.pmu_observer.plants import smib
 
-from ..studies import frames, machines
+from ..bench import frames, machines, smib_fault
 from . import runs
 
 Q_OMEGA = (3.0, 10.0, 30.0, 100.0)
@@ -33,7 +33,7 @@ GRID = np.array(list(product(Q_OMEGA, Q_D, Q_Q)))
 
 def record_to_tune_on() -> frames.Truth:
     """Generator 6 behind a line at an infinite bus, which a load elsewhere pulls down from 2 s to 6 s; 10 s."""
-    plant = machines.g6_behind_line()
+    plant = smib_fault.plant()
 
     def inputs(t: float, outputs: smib.Outputs) -> smib.Inputs:
         loaded = 2.0 <= t < 6.0

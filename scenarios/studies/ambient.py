@@ -6,10 +6,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fmu_src.pmu_observer.plants import smib
+from fmu_src.pmu_observer.plants import ornstein_uhlenbeck, smib
 
-from . import frames, machines
-from .bad_frames import dropouts
+from ..bench import frames, machines
+from ..bench.streams import WANDERING, Streams, numbers
 
 STATES = ("delta", "omega", "e1d", "e1q")
 
@@ -20,6 +20,10 @@ PARTS = 4
 
 VOLTAGE, ANGLE, POWER, TIME = 0.005, 0.02, 0.005, 2.0
 """The infinite bus wanders by 0.5 % and 0.02 rad, P_m by 0.005 pu (standard deviations), each with a memory of 2 s."""
+
+
+TAKEOVER = 0.05
+"""rad: what a frame of a tracked machine turns its estimate by if the bank takes over; else it is a tenth of that."""
 
 
 def main() -> None:
@@ -36,9 +40,8 @@ def main() -> None:
     parser.add_argument("--estimated", action="store_true", help="E_f and P_m are estimated, not measured")
     arguments = parser.parse_args()
     source = 2 if arguments.estimated else 1
-    rng = np.random.default_rng(arguments.seed)
-    plants = machines.random_machines(arguments.machines, rng)
-    truth = machines.simulate(plants, arguments.seconds, inputs=wandering(plants.inputs, arguments, rng), substeps=4)
+    plants = machines.random_machines(arguments.machines, arguments.seed)
+    truth = machines.simulate(plants, arguments.seconds, inputs=wandering(plants.inputs, arguments), substeps=4)
     true = np.array([truth.delta, truth.omega, truth.e1d, truth.e1q])
 
     sums, squares = np.zeros((PARTS, len(STATES), arguments.machines)), np.zeros((PARTS, arguments.machines))
@@ -47,21 +50,21 @@ def main() -> None:
 
     def count_takeovers(k, state):
         nonlocal takeovers, tracking
-        takeovers += int(np.sum(tracking & (abs(state.estimator.turn) > 0.05)))
+        takeovers += int(np.sum(tracking & (abs(state.estimator.turn) > TAKEOVER)))
         tracking = state.estimator.tracking > 0
         return state
 
+    channel = frames.noise(arguments.tve, dropout=arguments.dropouts)
     observed = frames.observe(
-        truth,
-        dropouts(arguments.tve, arguments.dropouts),
-        1,
-        seed=arguments.seed,
+        "robust",
+        frames.for_seeds(truth),
+        frames.arriving(truth, channel, 1, arguments.seed),
         alter=count_takeovers,
         tve=arguments.tve,
         field_voltage=source,
         mechanical_power=source,
     )
-    for k, o in observed:
+    for k, o in enumerate(observed):
         if k * frames.PERIOD < WARM_UP:
             continue
         i = int(PARTS * (k - WARM_UP / frames.PERIOD) / (len(truth.V) - WARM_UP / frames.PERIOD))
@@ -88,17 +91,17 @@ def main() -> None:
     table.add_row("most", *[f"{v:.2f}" for v in per_machine.max(1)], "", "")
     console = Console(width=120)
     console.print(table)
-    console.print(f"takeovers (a frame turns the estimate of a tracked machine by more than 0.05 rad): {takeovers}")
+    console.print(
+        f"takeovers (a frame turns the estimate of a tracked machine by more than {TAKEOVER} rad): {takeovers}"
+    )
 
 
-def wandering(u: smib.Inputs, arguments, rng):
+def wandering(u: smib.Inputs, arguments):
     """The plant's inputs at t: Ornstein-Uhlenbeck at the frames, linear in between."""
-    steps = round(arguments.seconds / frames.PERIOD) + 2
-    decay = np.exp(-frames.PERIOD / TIME)
-    noise = np.sqrt(1 - decay**2) * rng.standard_normal((steps, 3, arguments.machines))
-    paths = np.zeros_like(noise)
-    for k in range(1, steps):
-        paths[k] = decay * paths[k - 1] + noise[k]
+    streams = Streams(WANDERING + numbers(arguments.seed, (3, arguments.machines)))
+    paths = [np.zeros((3, arguments.machines))]
+    for _ in range(round(arguments.seconds / frames.PERIOD) + 1):
+        paths.append(ornstein_uhlenbeck.step(paths[-1], frames.PERIOD, TIME, 1.0, streams.normal()))
 
     def inputs(t, outputs) -> smib.Inputs:
         k, part = divmod(t / frames.PERIOD, 1)

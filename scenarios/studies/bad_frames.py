@@ -8,10 +8,14 @@ from rich.table import Table
 
 from fmu_src.pmu_observer.observer import HOLDING
 
-from . import frames
+from ..bench import frames
+from ..bench.frames import rms
 
 GAP = 6.0, 8.0
 """s"""
+
+SHARE, SIZE = 0.01, 0.2
+"""Of gross errors: among the frames, and relative to the phasor."""
 
 AFTER_GAP = (0.25, 0.5, 1.0, 2.0)
 """s"""
@@ -47,7 +51,12 @@ def main() -> None:
         marks: list[np.ndarray] = []
         clean, dropped, wrong, gap = [
             frames.series(truth, channel, arguments.seeds, **options)
-            for channel in (frames.noise(tve), dropouts(tve, 0.1), gross_errors(tve, 0.01, 0.2, marks), gaping(tve))
+            for channel in (
+                frames.noise(tve),
+                frames.noise(tve, dropout=0.1),
+                gross_errors(tve, marks),
+                gaping(tve),
+            )
         ]
         late = clean.t > 2
         held, marked = wrong.status == HOLDING, np.array(marks)
@@ -71,43 +80,25 @@ def main() -> None:
     console.print(gaps)
 
 
-def dropouts(tve: float, share: float) -> frames.Channel:
-    """Frames marked invalid, at random."""
-    noisy = frames.noise(tve)
-
-    def channel(k, rng, V, I):  # noqa: E741
-        return noisy(k, rng, V, I)._replace(valid=(rng.random(V.shape) >= share) * 1.0)
-
-    return channel
-
-
-def gross_errors(tve: float, share: float, size: float, marks: list) -> frames.Channel:
-    """Unmarked frames with V or I off by `size`, in a random direction."""
-    noisy = frames.noise(tve)
-
-    def channel(k, rng, V, I):  # noqa: E741
-        received = noisy(k, rng, V, I)
-        wrong, in_V = rng.random(V.shape) < share, rng.random(V.shape) < 0.5
-        off = 1 + size * np.exp(2j * np.pi * rng.random(V.shape))
-        marks.append(wrong)
-        return received._replace(
-            V=np.where(wrong & in_V, off, 1) * received.V, I=np.where(wrong & ~in_V, off, 1) * received.I
-        )
-
-    return channel
-
-
 def gaping(tve: float) -> frames.Channel:
     noisy = frames.noise(tve)
 
-    def channel(k, rng, V, I):  # noqa: E741
-        return noisy(k, rng, V, I)._replace(valid=1.0 * (not GAP[0] <= k * frames.PERIOD < GAP[1]))
+    def channel(k, streams, V, I):  # noqa: E741 - the paper's name
+        return noisy(k, streams, V, I)._replace(valid=1.0 * (not GAP[0] <= k * frames.PERIOD < GAP[1]))
 
     return channel
 
 
-def rms(values) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+def gross_errors(tve: float, marks: list) -> frames.Channel:
+    """Unmarked frames with V or I off by SIZE in a random direction; `marks` gets which: noise is far below SIZE/2."""
+    noisy = frames.noise(tve, gross_error_probability=SHARE, gross_error=SIZE)
+
+    def channel(k, streams, V, I):  # noqa: E741 - the paper's name
+        received = noisy(k, streams, V, I)
+        marks.append(np.maximum(abs(received.V / V - 1), abs(received.I / I - 1)) > SIZE / 2)
+        return received
+
+    return channel
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from . import frames, machines
+from ..bench import frames, machines
 
 RIGHT = 0.1
 """pu; an error of (E'd, E'q) below it is the right well."""
@@ -25,7 +25,7 @@ def main() -> None:
     parser.add_argument("--tve", type=float, default=0.003, help="noise of the phasors, and what is assumed")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
-    plants = machines.random_machines(arguments.machines, np.random.default_rng(arguments.seed))
+    plants = machines.random_machines(arguments.machines, arguments.seed)
     truth = machines.simulate(plants, TIMES[-1] + 0.1)
     console = Console(width=140)
 

@@ -6,7 +6,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from . import frames
+from ..bench import frames
+from ..bench.frames import rms
 
 CASES = {
     "E_f, P_m measured": {},
@@ -54,10 +55,6 @@ def since(s: frames.Series, t: float) -> str:
 
 def both(values) -> str:
     return f"{np.median(values):.5f} / {np.max(values):.4f}"
-
-
-def rms(values) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 if __name__ == "__main__":

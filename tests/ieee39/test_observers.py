@@ -7,13 +7,13 @@ import pytest
 
 from fmu_src.pmu_observer.plants.ieee39 import tables
 from scenarios import loader, master, study
-from scenarios.studies import frames, ieee39
+from scenarios.bench import frames, ieee39
 
 
 @pytest.fixture(scope="module")
 def steady() -> frames.Series:
     """Loads varying by 1 %, TVE 0.5 %, 20 noise seeds, no initial guess: from 5 s on."""
-    s = frames.series(ieee39.truth(15.0, load_sigma=0.01), frames.noise(0.005), 20)
+    s = frames.series(ieee39.simulate(15.0, load_sigma=0.01), frames.noise(0.005), 20)
     return frames.Series(*[column[s.t >= 5] for column in s])
 
 

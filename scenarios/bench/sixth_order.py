@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmu_src.pmu_observer.machines.data import ieee39_g6
+from fmu_src.pmu_observer.plants import runge_kutta
 
+from . import smib_fault
 from .frames import PERIOD, Truth
 
 SUBSTEPS = 16
@@ -34,9 +35,11 @@ class Grid(NamedTuple):
     X: float
 
 
-def simulate(seconds: float, t_fault: float, t_clear: float, *, P=6.5, V_t=1.05, x_line=0.03, x_fault=0.03) -> Truth:
-    """Generator 6 from the equilibrium for P and V_t = V_t of the infinite bus + line, E_f constant."""
-    m, s = ieee39_g6()._replace(D=0.05), Subtransient()
+def simulate(seconds: float, fault: smib_fault.Fault) -> Truth:
+    """The machine of smib_fault with these circuits, from the same equilibrium, E_f constant."""
+    m, s, machines = smib_fault.machine(), Subtransient(), smib_fault.plant()
+    P, V_t, x_line = machines.inputs.P_m, machines.parameters.V_t_start, machines.parameters.x_line
+    t_fault, t_clear, x_fault = fault
     theta = np.arcsin(P * x_line / V_t)  # the infinite bus has 1 pu
     V = V_t * np.exp(1j * theta)
     I = (V - 1.0) / (1j * x_line)  # noqa: E741
@@ -59,7 +62,7 @@ def simulate(seconds: float, t_fault: float, t_clear: float, *, P=6.5, V_t=1.05,
         while end - t > 1e-12:
             until = min([end, *[e for e in events if e > t + 1e-12]])
             grid = faulted if t_fault <= t + 1e-12 < t_clear else healthy
-            state = runge_kutta(lambda x, g=grid: derivative(m, s, g, P, E_f, x), state, until - t)
+            state = runge_kutta.step(lambda x, g=grid: derivative(m, s, g, P, E_f, x), state, until - t)
             t = until
         return state
 
@@ -105,14 +108,6 @@ def derivative(m, s: Subtransient, grid: Grid, P, E_f, state):
             (-psi2q - e1d - leak_q * Iq) / s.Tq20,
         ]
     )
-
-
-def runge_kutta(slope, x, h):
-    k1 = slope(x)
-    k2 = slope(x + h / 2 * k1)
-    k3 = slope(x + h / 2 * k2)
-    k4 = slope(x + h * k3)
-    return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
 def row(m, s, grid: Grid, P, E_f, state):

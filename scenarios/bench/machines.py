@@ -1,4 +1,4 @@
-"""Machines to observe: random ones behind a line, and generator 6 of the IEEE 39-bus system behind a line."""
+"""Random machines behind a line, and what their PMUs see."""
 
 from math import pi
 from typing import NamedTuple
@@ -6,13 +6,17 @@ from typing import NamedTuple
 import numpy as np
 
 from fmu_src.pmu_observer.carriers import arrays
-from fmu_src.pmu_observer.machines.data import Machine, ieee39_g6
+from fmu_src.pmu_observer.machines.data import Machine
 from fmu_src.pmu_observer.plants import smib
 
 from .frames import PERIOD, Truth
+from .streams import MACHINES, Streams, numbers
 
 SUBSTEPS = 8
 """Steps of the plant between two frames, at most 2.1 ms."""
+
+FARTHEST = np.radians(100)
+"""Of a rotor from the infinite bus: beyond 90 degrees, where the field's slow answer alone still holds it."""
 
 
 class Range(NamedTuple):
@@ -46,19 +50,17 @@ class Machines(NamedTuple):
     inputs: smib.Inputs
 
 
-def random_machines(count: int, rng: np.random.Generator) -> Machines:
+def random_machines(count: int, seed: int, first: int = 0) -> Machines:
     """From RANGES: each at an equilibrium for its P, Q and V_t, moved away from it by the initial errors.
 
-    Nearly unstable points (x_line such that the rotor is beyond 100 degrees from the infinite bus) are drawn again.
+    Machine `first` + i is the same however many there are. Nearly unstable points (x_line such that the rotor is beyond
+    FARTHEST from the infinite bus) are drawn again.
     """
-    kept: list[dict] = []
-    found = 0
-    while found < count:
-        draw = {name: drawn(rng, r, count) for name, r in RANGES.items()}
-        good = rotor_angle_from_bus(draw) < np.radians(100)
-        kept.append({name: values[good] for name, values in draw.items()})
-        found += int(good.sum())
-    draw = {name: np.concatenate([k[name] for k in kept])[:count] for name in RANGES}
+    streams = Streams(MACHINES + numbers(seed, count, first))
+    draw = drawn(streams)
+    while np.any(far := rotor_angle_from_bus(draw) > FARTHEST):
+        again = drawn(streams)
+        draw = {name: np.where(far, again[name], values) for name, values in draw.items()}
     V, I, x = draw["V_t [pu]"] + 0j, current(draw), draw["x' [pu]"]  # noqa: E741
     xd = x + draw["xd - x' [pu]"]
     xq = np.maximum(draw["xq/xd"] * xd, x)
@@ -96,10 +98,13 @@ def random_machines(count: int, rng: np.random.Generator) -> Machines:
     return Machines(parameters, inputs)
 
 
-def drawn(rng, r: Range, count: int):
-    if r.logarithmic:
-        return np.exp(rng.uniform(np.log(r.low), np.log(r.high), count))
-    return rng.uniform(r.low, r.high, count)
+def drawn(streams: Streams) -> dict[str, np.ndarray]:
+    found = {}
+    for name, r in RANGES.items():
+        low, high = (np.log(r.low), np.log(r.high)) if r.logarithmic else (r.low, r.high)
+        value = streams.uniform(low, high)
+        found[name] = np.exp(value) if r.logarithmic else value
+    return found
 
 
 def current(draw):
@@ -136,13 +141,3 @@ def row(o: smib.Outputs, u: smib.Inputs):
     shape = np.shape(o.delta)
     P_m, E_f = np.broadcast_to(u.P_m, shape), np.broadcast_to(u.E_f, shape)
     return f.V_t * np.exp(1j * f.theta_t), f.I_t * np.exp(1j * f.phi_t), P_m, E_f, o.delta, o.omega, o.e1d, o.e1q
-
-
-def g6_behind_line(**parameters) -> Machines:
-    """P_m = 6.5 and V_t = 1.05 on 100 MVA, as in scenarios/smib_fault.toml."""
-    p = smib.Parameters(
-        machine=ieee39_g6()._replace(D=0.05), x_line=0.03, start_mode=smib.P_M_V_T, V_t_start=1.05, **parameters
-    )
-    u = smib.Inputs(P_m=6.5)
-    _, outputs = smib.start(arrays, p, u, 0.0)
-    return Machines(p, u._replace(E_f=outputs.E_f_start))

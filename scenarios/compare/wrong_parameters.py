@@ -14,9 +14,9 @@ from rich.table import Table
 from fmu_src.pmu_observer import tree
 from fmu_src.pmu_observer.machines.data import Machine
 
-from ..compare import batch, runs, tuning
-from . import frames
-from .noise import rms
+from ..bench import frames
+from ..bench.frames import rms
+from . import batch, runs, tuning
 
 STEADY_FROM = 5.0
 """s"""
@@ -39,7 +39,7 @@ def cases(m: Machine, tve: float) -> list[Case]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(
-        prog="python -m scenarios.studies.wrong_parameters",
+        prog="python -m scenarios.compare.wrong_parameters",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
