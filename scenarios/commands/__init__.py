@@ -34,7 +34,13 @@ def all_commands() -> dict[str, Command]:
     return {found.name: import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__)}  # type: ignore
 
 
+WIDEST = 60
+"""Characters of an example; what a longer one does stands below it."""
+
+
 def example_lines(examples: Sequence[tuple[str, str]]) -> str:
-    lines = [f"python -m scenarios {arguments}" for arguments, _ in examples]
-    width = min(max(map(len, lines), default=0), 56)
-    return "\n".join(f"  {line:{width}}  {what}" for line, (_, what) in zip(lines, examples, strict=True))
+    """The examples, each with what it does."""
+    pairs = [(f"python -m scenarios {arguments}", what) for arguments, what in examples]
+    width = max((len(line) for line, _ in pairs if len(line) <= WIDEST), default=0)
+    below = "\n" + 6 * " "
+    return "\n".join(f"  {line:{width}}{'  ' if len(line) <= width else below}{what}" for line, what in pairs)
