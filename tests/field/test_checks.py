@@ -1,10 +1,16 @@
 """Checks name the mistake, and are silent where there is none. All of it: python -m scenarios.records.mutations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from scenarios import loader
+from scenarios.machines.table import read_machine
 from scenarios.records import mutations, standard
 from scenarios.records.checks import check, is_nonsense
+from scenarios.records.checks.case import Case
+from scenarios.records.checks.machine import steady_field
 from scenarios.records.findings import CAUSES
 from scenarios.records.mutations import MUTATIONS, Sample, outcome
 from scenarios.records.right import right_records
@@ -45,10 +51,28 @@ def test_most_mistakes_are_named_first(samples):
 
 
 def test_the_record_of_another_simulator_is_right():
-    from scenarios import loader
-
     for name in ("record_g6.csv", "record_g6_6th_order.csv"):
         assert check(standard.read(loader.FOLDER / "data" / name)) == []
+
+
+GENROU = """unit,machine_model,S_n,omega_s,H,xd,xd1,xd2,xq,xq1,xl,Td10,Tq10,Td20,Tq20,S10,S12,Ra
+k3,genrou,900,376.99111843,6.175,1.8,0.3,0.25,1.7,0.55,0.2,8,0.4,0.03,0.05,0.10,0.40,0.0025
+g6,genrou,1000,376.99111843,3.48,2.54,0.5,0.431,2.41,0.814,0.224,7.3,0.4,0.05,0.035,0.10,0.35,0
+"""
+
+
+@pytest.mark.parametrize(("name", "unit"), [("k3_fault", "k3"), ("k3_loadstep", "k3"), ("g6_loadstep", "g6")])
+def test_machines_that_saturate_are_right(name, unit, tmp_path):
+    """GENROU records of another simulator, with their machines; without S(1.0) and S(1.2) E_f is off."""
+    (tmp_path / "machines.csv").write_text(GENROU)
+    machine = read_machine(tmp_path / "machines.csv", unit)
+    record = standard.read(loader.FOLDER / "data" / f"genrou_{name}.csv")
+    assert check(record, machine) == []
+    with_it, without = (
+        np.median(record.E_f / steady_field(Case(record, m)))
+        for m in (machine, replace(machine, parameters={**machine.parameters, "S10": 0.0, "S12": 0.0}))
+    )
+    assert abs(with_it - 1) < 0.05 < without - 1
 
 
 def test_a_stream_that_stood_still_for_a_second(samples):
