@@ -4,7 +4,17 @@ from functools import partial
 
 from ..pmu_observer import observer
 from ..pmu_observer.estimators import ESTIMATORS
+from ..pmu_observer.machines import MACHINE_MODELS
 from ..runtime.model import Model, Program, Terminal
+
+
+def program(estimator: str, machine_model: str) -> Program:
+    start, step, first_state = [
+        partial(function, estimator, machine_model=machine_model)
+        for function in (observer.start, observer.step, observer.first_state)
+    ]
+    return Program(start, step, first_state=first_state)
+
 
 MODEL = Model(
     name="PmuObserver",
@@ -12,8 +22,12 @@ MODEL = Model(
     inputs=observer.Inputs(),
     parameters=observer.Parameters(),
     outputs=observer.Outputs(),
-    programs={name: Program(partial(observer.start, name), partial(observer.step, name)) for name in ESTIMATORS},
+    programs={
+        **{name: program(name, "two_axis") for name in ESTIMATORS},
+        **{f"robust_{model}": program("robust", model) for model in MACHINE_MODELS if model != "two_axis"},
+    },
     selector="estimator",
+    variant="machine_model",
     rules=observer.rules,
     input_variability="discrete",
     step_size=1 / 60,

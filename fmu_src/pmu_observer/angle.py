@@ -1,7 +1,7 @@
-"""The rotor angle that belongs to an estimate of (E'd, E'q)."""
+"""The rotor angle that belongs to an estimate of the voltage F in the rotor's frame: of (E'd, E'q) in the paper."""
 
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .interface import Scalar
 from .linear import Vector
@@ -9,22 +9,20 @@ from .phasors import Signals
 
 
 class Covariance(NamedTuple):
-    """Of (E'd, E'q, E_f), pu^2; all zero: the estimator does not know how far it is off."""
+    """Of x, pu^2; all zero: the estimator does not know how far it is off."""
 
     dd: Scalar = 0.0
     dq: Scalar = 0.0
     qq: Scalar = 0.0
-    df: Scalar = 0.0
-    qf: Scalar = 0.0
-    ff: Scalar = 0.0
 
 
 class Estimate(NamedTuple):
     """What an estimator makes of the frames so far; those of the paper leave all but delta and x at the defaults."""
 
     delta: Scalar  # rad, unwrapped
-    x: Vector  # (E'd, E'q), pu
+    x: Vector  # the rotor's view of F, pu: (E'd, E'q) for the paper's estimators
     covariance: Covariance = Covariance()
+    gaussian: Any = ()  # of the machine model's own states, if the estimator works with any
     E_f: Scalar = 0.0  # pu, if the estimator has one
     E_f_walk: Scalar = 0.0  # pu^2/s, the variance that an estimated E_f gains
     innovation: Scalar = 0.0  # of the last frame, in standard deviations

@@ -6,10 +6,10 @@ A frame carries the time at which it was measured, or is dated with its arrival,
 
 from typing import NamedTuple
 
-from . import noise
+from . import gaussian, noise
 from .angle import Estimate
 from .interface import Scalar
-from .linear import propagate
+from .linear import Vector, propagate
 from .machines.two_axis import Constants
 from .observer_interface import MEASURED, PHASORS, STAMPED, Inputs, Parameters, system_base, system_transformer
 from .phasors import (
@@ -208,22 +208,36 @@ def learnt_period(xp, period, interval):
 
 
 def is_gross(xp, c: Constants, gate: Gate, interval: Interval, estimate: Estimate, rotor: Rotor, P_m_known):
-    """Is j E' of the frame that closes the interval more than 5 standard deviations from where it is expected?
+    """Is j F of the frame that closes the interval more than 5 standard deviations from where it is expected?
 
-    That is e^{j delta}(x3 + j x4), which no event in the network can make jump. Only where both estimator and speed
+    That is e^{j delta}(f_d + j f_q), which no event in the network can make jump. Only where both estimator and speed
     observer say how sure they are: I&I does not, and rejecting what contradicts it would leave it wrong.
     """
-    s, h, P = interval.after, interval.h, estimate.covariance
-    x = propagate(interval.flow, estimate.x)
+    s, P = interval.after, estimate.covariance
+    x = expected(xp, c, interval.flow, estimate)
     moved = predict(xp, c, rotor, interval, rotor.P_m, P_m_known)
     cos, sin = xp.cos(moved.delta), xp.sin(moved.delta)
     re, im = s.Y2 - (cos * x.d - sin * x.q), s.Y3 - (sin * x.d + cos * x.q)
-    b = xp.maximum(c.b1, c.b2) * h / 2  # half the jump of A over the interval
-    jump = interval.jump.nu
-    jump_variance = b * b * (jump.re * jump.re + jump.im * jump.im)
+    jump_variance = by_jump(xp, c, interval)
     angle_variance = moved.covariance.dd
-    variance = noise.of_phasor(c, s) + 2 * (P.dd + P.qq)
+    variance = noise.of_phasor(s) + 2 * (P.dd + P.qq)
     variance = variance + s.Y1 * (2 * angle_variance + jump_variance + UNMODELLED * UNMODELLED)
     sure = xp.logical_and(estimate.capturing < 0.5, xp.logical_and(P.dd > 0, rotor.covariance.dd > 0))
     gross = xp.logical_and(sure, re * re + im * im > GROSS * variance)
     return xp.logical_and(gross, gate.rejected < MOST_REJECTED)
+
+
+def expected(xp, c: Constants, flow, estimate: Estimate) -> Vector:
+    """The estimate at the end of an interval, by its start."""
+    if c.model:
+        return gaussian.flux(c, flow.C, gaussian.expected(xp, c, flow, estimate.gaussian.x))
+    return propagate(flow, estimate.x)
+
+
+def by_jump(xp, c: Constants, interval: Interval):
+    """The variance, per pu^2 of Y1, that half the jump of A over the interval makes of the estimate."""
+    if c.model:
+        d, q = interval.flow.jump[0], interval.flow.jump[c.model.D_STATES]
+        return d[0] * d[0] + d[1] * d[1] + q[0] * q[0] + q[1] * q[1]
+    b, jump = xp.maximum(c.b1, c.b2) * interval.h / 2, interval.jump.nu
+    return b * b * (jump.re * jump.re + jump.im * jump.im)

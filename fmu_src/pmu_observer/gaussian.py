@@ -1,9 +1,8 @@
-"""One Kalman filter of (E'd, E'q, E_f), linear but for its measurement Y1 = E'd^2 + E'q^2.
+"""One Kalman filter of (z, E_f) under any machine model, linear but for its measurement Y1 = |f|^2, f = C z.
 
-    (x3, x4)+ = F (x3, x4) + g + G E_f,   E_f+ = E_f + random walk        (G = 0 and E_f given where E_f is measured)
+    z+ = F z + G E_f + g,   E_f+ = E_f + random walk             (E_f given where it is measured)
 
-F is exact for the mean A of the interval. A itself is measured, so that its noise, and what it does between the frames
-when the network jumps, are process noise; nothing else is, and there is nothing to tune.
+F is exact for the mean A of the interval.
 """
 
 from typing import NamedTuple
@@ -11,14 +10,10 @@ from typing import NamedTuple
 from . import noise
 from .angle import Covariance
 from .interface import Scalar
-from .linear import Complex, Matrix, Vector, decay_mean, dot
-from .machines.two_axis import Constants
+from .linear import Vector
+from .matrix import Column, Rows, Symmetric, apply, dot, full, outer, place
 from .phasors import Signals
-from .sampling import SEEN, Interval
-
-UNSEEN_NU = 0.002
-"""1/s/sqrt(s): how fast nu may change in a gap between frames, besides what the frames at its ends show: load changes
-of some percent."""
+from .transition import Transition
 
 WILD = 9.0
 """Squared standard deviations beyond which a residual moves the estimate no further."""
@@ -28,152 +23,150 @@ UNLIKELY = 16.0
 
 
 class Gaussian(NamedTuple):
-    x: Vector  # (E'd, E'q), pu
-    E_f: Scalar  # pu
-    P: Covariance
-
-
-class Transition(NamedTuple):
-    """What an interval does to every Gaussian."""
-
-    F: Matrix
-    g: Vector
-    G: Vector
-    Q: Vector  # variances that the noise of A adds, pu^2
-    jump: Complex  # of nu, times h/2: A is wrong by that for half the interval
-    common: Complex  # E[dnu dY1], pu^2, times h: what the frame's noise does to A, it does to Y1 too
-    b: Vector  # b2, b1, 1/s, less what decays within the interval
-    E_f: Scalar  # pu, measured
-    E_f_known: Scalar
+    x: Column  # (z, E_f), pu
+    P: Symmetric  # its covariance, pu^2
 
 
 class Circle(NamedTuple):
-    """What a frame says of (E'd, E'q): how far it is from zero."""
+    """What a frame says of f: how far it is from zero."""
 
     Y1: Scalar  # pu^2, less the mean of its error
     R: Scalar  # pu^4, variance of that error
 
 
-def circle_of(c: Constants, s: Signals) -> Circle:
-    s2, R = noise.of_Y1(c, s)
+def circle_of(s: Signals) -> Circle:
+    s2, R = noise.of_Y1(s)
     return Circle(s.Y1 - s2, R)
 
 
 class Updated(NamedTuple):
     gaussian: Gaussian
-    innovation: Scalar  # in standard deviations
-    log_likelihood: Scalar
+    r: Scalar  # pu^2, residual
+    S: Scalar  # pu^4, its variance
 
 
-def transition(xp, c: Constants, interval: Interval) -> Transition:
-    """What an interval does.
+def innovation(xp, u: Updated):
+    """The residual in standard deviations."""
+    return u.r / xp.sqrt(u.S)
 
-    E|dnu|^2 = v adds the variance (h b2)^2 v Y1/2 to E'd and (h b1)^2 v Y1/2 to E'q, less what decays within the
-    interval; without it the filter is sure of itself and wrong. In a gap, nu moves unseen by UNSEEN_NU t sqrt(dt).
-    """
-    h, s, flow = interval.h, interval.after, interval.flow
-    variance = h * h * noise.of_nu(s) * s.Y1 / 2
-    gap = xp.maximum(h - SEEN, 0.0)
-    in_gap = UNSEEN_NU * UNSEEN_NU * gap * gap * gap / 3 * s.Y1
 
-    b = Vector(
-        c.b2 * decay_mean(xp, xp.maximum(-s.A.dd, 0.0) * h),
-        c.b1 * decay_mean(xp, xp.maximum(-s.A.qq, 0.0) * h),
-    )
-    common = noise.of_nu_and_Y1(s)
-    known = s.measured.E_f_known > 0
-    forcing_error = c.c1 * h / 2 * interval.jump.E_f
-    return Transition(
-        F=flow.F,
-        g=Vector(xp.where(known, flow.g.d, 0.0), xp.where(known, flow.g.q, 0.0)),
-        G=Vector(xp.where(known, 0.0, c.c1 * flow.unit.d), xp.where(known, 0.0, c.c1 * flow.unit.q)),
-        Q=Vector(
-            b.d * b.d * (variance + in_gap),
-            b.q * b.q * (variance + in_gap) + forcing_error * forcing_error,
-        ),
-        jump=Complex(h / 2 * interval.jump.nu.re, h / 2 * interval.jump.nu.im),
-        common=Complex(h * common.re, h * common.im),
-        b=b,
-        E_f=s.measured.E_f,
-        E_f_known=s.measured.E_f_known,
+def log_likelihood(xp, u: Updated):
+    return -(xp.log(u.S) + xp.minimum(u.r * u.r / u.S, UNLIKELY)) / 2
+
+
+def flux(c, C: Rows, x: Column) -> Vector:
+    """f = C (z[0] of d, z[0] of q)."""
+    at = x[0], x[c.model.D_STATES]
+    return Vector(*apply(C, at)) if c.model.SALIENT else Vector(*at)
+
+
+def flux_covariance(c, C: Rows, v: Gaussian) -> Covariance:
+    """Of f."""
+    n, q = len(v.x), c.model.D_STATES
+    dd, dq, qq = v.P[0], v.P[place(0, q, n)], v.P[place(q, q, n)]
+    if not c.model.SALIENT:
+        return Covariance(dd, dq, qq)
+    (a, b), (e, g) = C
+    return Covariance(
+        dd=a * (a * dd + 2 * b * dq) + b * b * qq,
+        dq=a * (e * dd + g * dq) + b * (e * dq + g * qq),
+        qq=e * (e * dd + 2 * g * dq) + g * g * qq,
     )
 
 
-def by_nu(t: Transition, dnu: Complex, x: Vector) -> Vector:
-    """What an error dnu of nu, times the time it lasts, does to x: (b2 Re, -b1 Im)(dnu conj(x3 + j x4))."""
-    (b_d, b_q), (re, im), (d, q) = t.b, dnu, x
-    return Vector(b_d * (re * d + im * q), b_q * (re * q - im * d))
+def expected(xp, c, t: Transition, x: Column) -> Column:
+    """z+ = F z + G E_f + g; gensal's field loses what its iron takes, at the E'q of each estimate."""
+    known = t.E_f_known > 0
+    E_f = xp.where(known, t.E_f, x[-1])
+    if c.model.field_of_saturation:
+        taken = c.model.field_of_saturation(xp, *t.iron, x[-2])
+        E_f = E_f - xp.where(known, taken, 0.0)
+    z = x[:-1]
+    return tuple([dot(row, z) + by_field * E_f + g for row, by_field, g in zip(t.F, t.G, t.g)])
 
 
-def predict(xp, t: Transition, v: Gaussian, walk) -> Gaussian:
-    """x+ = F x + g + G E_f,  P+ = [F G; 0 1] P [F G; 0 1]^T + Q + n n^T;  `walk` is the variance that E_f adds, pu^2.
+def process_noise(t: Transition, before: Vector, after: Vector) -> Symmetric:
+    """Q + n n' + m m' + (a a' - b b')/R: what the interval adds to the covariance of z.
 
-    n is what a jump of nu at an unknown instant does.
+    n and m: a jump of kappa at an unknown instant, taken half way, and when it really is. a = `common` f is what z's
+    error has in common with that of Y1, b its part by kappa, which Q holds; S is a function of Y1.
     """
-    (F_dd, F_dq, F_qd, F_qq), (g_d, g_q), (G_d, G_q), (Q_d, Q_q), *_ = t
-    (x_d, x_q), E_f, (P_dd, P_dq, P_qq, P_df, P_qf, P_ff) = v
-    x = Vector(F_dd * x_d + F_dq * x_q + g_d + G_d * E_f, F_qd * x_d + F_qq * x_q + g_q + G_q * E_f)
-    # [F G] P
-    dd = F_dd * P_dd + F_dq * P_dq + G_d * P_df
-    dq = F_dd * P_dq + F_dq * P_qq + G_d * P_qf
-    df = F_dd * P_df + F_dq * P_qf + G_d * P_ff
-    qd = F_qd * P_dd + F_qq * P_dq + G_q * P_df
-    qq = F_qd * P_dq + F_qq * P_qq + G_q * P_qf
-    qf = F_qd * P_df + F_qq * P_qf + G_q * P_ff
-    n_d, n_q = by_nu(t, t.jump, v.x)
-    covariance = Covariance(
-        dd * F_dd + dq * F_dq + df * G_d + Q_d + n_d * n_d,
-        dd * F_qd + dq * F_qq + df * G_q + n_d * n_q,
-        qd * F_qd + qq * F_qq + qf * G_q + Q_q + n_q * n_q,
-        df,
-        qf,
-        P_ff + walk,
-    )
-    return Gaussian(x, xp.where(t.E_f_known > 0, t.E_f, E_f), covariance)
+    f_before, f = tuple(before), tuple(after)
+    n, m = outer(apply(t.jump, f_before)), outer(apply(t.when, f_before))
+    a, b = outer(apply(t.common, f)), outer(apply(t.by_kappa, f))
+    return tuple([Q + x + y + t.per_R * (z - w) for Q, x, y, z, w in zip(t.Q, n, m, a, b)])
 
 
-def turn_variance(t: Transition, before: Gaussian, after: Gaussian):
-    """Of the change of the error of arg(x3 + j x4) over an interval, rad^2.
+def predict(xp, c, t: Transition, v: Gaussian, walk) -> Gaussian:
+    """x+ and P+ = [F G; 0 1] P [F G; 0 1]^T + process noise; `walk` is the variance that E_f adds, pu^2."""
+    x, n = v.x, len(t.F)
+    z = expected(xp, c, t, x)
+    added = process_noise(t, flux(c, t.C_before, x), flux(c, t.C, z))
+    whole = [(*row, by_field) for row, by_field in zip(t.F, t.G)]
+    P = full(v.P, n + 1)
+    FP = [[dot(row, column) for column in P] for row in whole]
+    covariance, k = [], 0
+    for i in range(n):
+        for j in range(i, n):
+            covariance.append(dot(FP[i], whole[j]) + added[k])
+            k += 1
+        covariance.append(FP[i][n])
+    covariance.append(P[n][n] + walk)
+    return Gaussian((*z, xp.where(t.E_f_known > 0, t.E_f, x[n])), tuple(covariance))
 
-    That of x changes by (F - I), by Q and by a jump of nu, n.
+
+def turn_variance(c, t: Transition, before: Gaussian, after: Gaussian):
+    """Of the change of the error of arg f over an interval, rad^2: that of z changes by F - 1, and by process noise."""
+    n = len(t.F)
+    f0, f1 = flux(c, t.C_before, before.x), flux(c, t.C, after.x)
+    v, w = across(c, t.C_before, f0, n), across(c, t.C, f1, n)
+    moved = [dot(w, column) for column in zip(*t.F)]
+    e = [x - y for x, y in zip(moved, v)] + [dot(w, t.G)]
+    own = dot(e, apply(full(before.P, n + 1), e))
+    return own + dot(w, apply(full(process_noise(t, f0, f1), n), w))
+
+
+def across(c, C: Rows, f: Vector, n: int) -> Column:
+    """The gradient of arg f by z."""
+    r2 = f.d * f.d + f.q * f.q + 1e-12
+    d, q = -f.q / r2, f.d / r2
+    if c.model.SALIENT:
+        d, q = d * C[0][0] + q * C[1][0], d * C[0][1] + q * C[1][1]
+    gradient = [0.0] * n
+    gradient[0], gradient[c.model.D_STATES] = d, q
+    return tuple(gradient)
+
+
+def update(xp, c, t: Transition, v: Gaussian, circle: Circle) -> Updated:
+    """With a frame, to second order in the error of f:
+
+    r = Y1 - |f|^2 - tr Pf,  S = H P H^T - 2 H a + 2 tr Pf^2 + R,  H = 2 f^T C,  K = (P H^T - a)/max(S, r^2/WILD)
+
+    Pf is the covariance of f, a that of the errors of z and Y1: the frame at the end of the interval went into A, by
+    half for this interval and by half for the next one. Where C is measured too, its noise counts with that of Y1.
     """
-    v, w, n = across(before.x), across(after.x), by_nu(t, t.jump, before.x)
-    e = Vector(w.d * t.F.dd + w.q * t.F.qd - v.d, w.d * t.F.dq + w.q * t.F.qq - v.q)
-    P, turned = before.P, dot(w, n)
-    own = e.d * e.d * P.dd + 2 * e.d * e.q * P.dq + e.q * e.q * P.qq
-    return own + w.d * w.d * t.Q.d + w.q * w.q * t.Q.q + turned * turned
+    x, n, q = v.x, len(t.F), c.model.D_STATES
+    P, f = full(v.P, n + 1), flux(c, t.C, v.x)
+    dd, dq, qq, *_ = flux_covariance(c, t.C, v)
+    a, R, H = apply(t.common, f), circle.R, Vector(2 * f.d, 2 * f.q)
+    if c.model.SALIENT:
+        o = t.output
+        # |C z|^2 is off by (i_d, i_q) (dkappa f), which has a variance and something in common with Y1 and z
+        i_d, i_q = H.d * o.CX[0][0] + H.q * o.CX[1][0], H.d * o.CX[0][1] + H.q * o.CX[1][1]
+        re, im = o.common.re * f.d - o.common.im * f.q, o.common.im * f.d + o.common.re * f.q
+        R = xp.maximum(R + o.variance * (i_d * i_d + i_q * i_q) - 2 * (i_d * re + i_q * im), LEAST_R * R)
+        a = tuple([y - o.variance * (i_d * d + i_q * q) for y, d, q in zip(a, o.u_d, o.u_q)])
+        H = Vector(H.d * t.C[0][0] + H.q * t.C[1][0], H.d * t.C[0][1] + H.q * t.C[1][1])
+    PH = [H.d * row[0] + H.q * row[q] for row in P]
+    gain = [y - z for y, z in zip(PH, a)] + PH[n:]
+    r = circle.Y1 - f.d * f.d - f.q * f.q - dd - qq
+    S = H.d * (gain[0] - a[0]) + H.q * (gain[q] - a[q]) + 2 * (dd * dd + 2 * dq * dq + qq * qq) + R
+    S = xp.maximum(S, R / 10)  # f far off the circle
+    weight = 1 / (S * xp.maximum(r * r / S / WILD, 1.0))
+    K = [weight * y for y in gain]
+    covariance = [P[i][j] - K[i] * gain[j] for i in range(n + 1) for j in range(i, n + 1)]
+    return Updated(Gaussian(tuple([y + k * r for y, k in zip(x, K)]), tuple(covariance)), r, S)
 
 
-def across(x: Vector) -> Vector:
-    """The gradient of arg(x3 + j x4)."""
-    r2 = x.d * x.d + x.q * x.q + 1e-12
-    return Vector(-x.q / r2, x.d / r2)
-
-
-def update(xp, t: Transition, v: Gaussian, circle: Circle) -> Updated:
-    """With a frame, to second order in the error of x:
-
-    r = Y1 - |x|^2 - tr P,   S = H P H^T - 2 H C + 2 tr P^2 + R,   H = 2 x^T,   K = (P H^T - C)/max(S, r^2/WILD)
-
-    C is the covariance of the errors of x and Y1: the frame at the end of the interval went into A, by half for this
-    interval and by half for the next one.
-    """
-    (d, q), E_f, (dd, dq, qq, df, qf, ff) = v
-    Y1, R = circle
-    C_d, C_q = by_nu(t, t.common, v.x)
-    # P H^T - C
-    hd = 2 * (d * dd + q * dq) - C_d
-    hq = 2 * (d * dq + q * qq) - C_q
-    hf = 2 * (d * df + q * qf)
-    r = Y1 - d * d - q * q - dd - qq
-    S = 2 * (d * (hd - C_d) + q * (hq - C_q) + dd * dd + 2 * dq * dq + qq * qq) + R
-    S = xp.maximum(S, R / 10)  # x far off the circle
-    normalised2 = r * r / S
-    weight = 1 / (S * xp.maximum(normalised2 / WILD, 1.0))
-    kd, kq, kf = weight * hd, weight * hq, weight * hf
-    P = Covariance(dd - kd * hd, dq - kd * hq, qq - kq * hq, df - kd * hf, qf - kq * hf, ff - kf * hf)
-    return Updated(
-        Gaussian(Vector(d + kd * r, q + kq * r), E_f + kf * r, P),
-        r / xp.sqrt(S),
-        -(xp.log(S) + xp.minimum(normalised2, UNLIKELY)) / 2,
-    )
+LEAST_R = 1e-2
+"""Of the variance of Y1: what is left of it at least, where the noise of C and that of Y1 cancel to first order."""

@@ -7,19 +7,18 @@ from typing import NamedTuple
 
 from .interface import Scalar
 from .linear import Complex
-from .machines.two_axis import Constants
 from .phasors import Signals
 
 
-def of_phasor(c: Constants, s: Signals):
-    """E|n|^2 of the phasor j E' = j (V + j x' I), pu^2."""
-    V, xI = s.measured.V, c.x * s.measured.I
+def of_phasor(s: Signals):
+    """E|n|^2 of the phasor j F = j (V + j x I), pu^2."""
+    V, xI = s.measured.V, s.x * s.measured.I
     return s.measured.tve * s.measured.tve * (V * V + xI * xI)
 
 
-def of_Y1(c: Constants, s: Signals):
-    """Mean and variance of the error of Y1 = |j E'|^2: s2 and 2 Y1 s2 + s2^2 with s2 = E|n|^2, pu^2 and pu^4."""
-    s2 = of_phasor(c, s)
+def of_Y1(s: Signals):
+    """Mean and variance of the error of Y1 = |j F|^2: s2 and 2 Y1 s2 + s2^2 with s2 = E|n|^2, pu^2 and pu^4."""
+    s2 = of_phasor(s)
     return s2, 2 * s.Y1 * s2 + s2 * s2
 
 
@@ -65,13 +64,13 @@ MEDIAN = 0.455
 """Of chi-square with one degree of freedom: the median of x^2 is MEDIAN times the variance of a normal x."""
 
 
-def learn(xp, c: Constants, e: Estimate, s: Signals) -> Estimate:
-    """tve^2 = median((Y1 - 2 Y1- + Y1--)^2)/(0.455 * 12 Y1 c),  c = V^2 + (x' I)^2.
+def learn(xp, e: Estimate, s: Signals) -> Estimate:
+    """tve^2 = median((Y1 - 2 Y1- + Y1--)^2)/(0.455 * 12 Y1 c),  c = V^2 + (x I)^2.
 
     The second difference of Y1 has six times the variance of a frame, 2 Y1 tve^2 c. The median is tracked in the
     logarithm by steps of constant size (Robbins and Monro), so that jumps and gross errors hardly count.
     """
-    V, xI = s.measured.V, c.x * s.measured.I
+    V, xI = s.measured.V, s.x * s.measured.I
     bend = s.Y1 - 2 * e.Y1 + e.Y1_before
     found = bend * bend / (MEDIAN * 12 * s.Y1 * (V * V + xI * xI))
     frames = e.frames + 1

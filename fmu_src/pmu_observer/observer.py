@@ -14,7 +14,7 @@ from .angle import Estimate
 from .estimators import ESTIMATORS
 from .gating import Gate, Received, Timing
 from .interface import Scalar
-from .linear import Vector
+from .machines import MACHINE_MODELS
 from .machines.two_axis import Constants, constants
 from .observer_interface import (
     CAPTURING,
@@ -44,6 +44,7 @@ __all__ = [
     "Outputs",
     "Parameters",
     "State",
+    "first_state",
     "rules",
     "start",
     "step",
@@ -72,14 +73,28 @@ class State(NamedTuple):
     mean_squares: confidence.MeanSquares
 
 
-def start(name: str, xp, p: Parameters, inputs: Inputs, t):
+def constants_of(name: str, machine_model: str, p: Parameters) -> Constants:
+    """The machine's constants; for the estimator robust with its data and model."""
+    m = system_base(p)
+    c = constants(m)
+    return c._replace(machine=m, model=MACHINE_MODELS[machine_model]) if name == "robust" else c
+
+
+def start(name: str, xp, p: Parameters, inputs: Inputs, t, machine_model: str = "two_axis"):
     """State and outputs at initialisation: the outputs show the frame at t, which the first step brings again."""
-    c = constants(system_base(p))
+    state = first_state(name, xp, p, inputs, t, machine_model)
+    return state, step(name, xp, p, state, inputs, t, 0.0, machine_model)[1]
+
+
+def first_state(name: str, xp, p: Parameters, inputs: Inputs, t, machine_model: str = "two_axis") -> State:
+    """The state before the first frame."""
+    c = constants_of(name, machine_model, p)
     # an open generator: only its shape matters
     some = signals(xp, c, Measurement(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    nothing = Estimate(0.0, Vector(0.0, 0.0))
+    own = ESTIMATORS[name].start(xp, getattr(p.estimators, name), c, some)
+    nothing = ESTIMATORS[name].estimate(xp, own, some, 0.0)
     settings = Settings(0.0, 0.0)
-    state = State(
+    return State(
         started=0.0,
         elapsed=0.0,
         latency=0.0,
@@ -87,20 +102,18 @@ def start(name: str, xp, p: Parameters, inputs: Inputs, t):
         power_mismatch=0.0,
         signals=some,
         change=Change(),
-        estimator=ESTIMATORS[name].start(xp, getattr(p.estimators, name), c, some),
+        estimator=own,
         estimate=nothing,
         rotor=Rotor(0.0),
         speed=OwnStates(*[module.start(xp, c, some, nothing, settings)[1] for module in SPEED_OBSERVERS.values()]),
         noise=noise.Estimate(),
         mean_squares=confidence.MeanSquares(),
     )
-    _, outputs = step(name, xp, p, state, inputs, t, 0.0)
-    return state, outputs
 
 
-def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h):
+def step(name: str, xp, p: Parameters, state: State, inputs: Inputs, t, h, machine_model: str = "two_axis"):
     """A communication step from t to t + h with the estimator called `name`: the state and the outputs at t + h."""
-    c = constants(system_base(p))
+    c = constants_of(name, machine_model, p)
     tve = xp.maximum(xp.where(p.tve > 0, p.tve, noise.learnt(xp, state.noise)), noise.LEAST_TVE)
     started = state.started > 0
     received = gating.receive(xp, p, c, inputs, t, h, started, state.signals, state.estimate, state.rotor, tve)
@@ -183,7 +196,7 @@ def take(name, xp, p, c, state: State, span: Interval, timing: Timing) -> State:
         estimate=estimate,
         rotor=rotor,
         speed=own,
-        noise=xp.cond(p.tve <= 0, lambda: noise.learn(xp, c, state.noise, s), lambda: state.noise),
+        noise=xp.cond(p.tve <= 0, lambda: noise.learn(xp, state.noise, s), lambda: state.noise),
         mean_squares=confidence.observed(
             xp, state.mean_squares, estimate.innovation, rotor.innovation, estimate.capturing, h
         ),

@@ -5,7 +5,8 @@ from typing import Annotated, Any, Dict, List, NamedTuple
 
 from .estimators import ESTIMATORS
 from .interface import INLINE, Boolean, Enumeration, Integer, Real, Rule, Scalar
-from .machines.data import Machine, on_system_base, reactance_rules
+from .machines import MACHINE_MODELS
+from .machines.data import Machine, on_system_base
 from .phasors import Frame
 from .speed import SPEED_OBSERVERS
 from .terminal import Transformer, transformer_on_system_base
@@ -53,6 +54,12 @@ class Parameters(NamedTuple):
     S_n: Annotated[
         Scalar, Real("MVA", "base of the parameters of machine and transformer", min=1e-6, max=1e6, nominal=100.0)
     ] = 100.0
+    machine_model: Annotated[
+        Scalar,
+        Enumeration(
+            "MachineModel", "model of the machine; all but two_axis: with the estimator robust", tuple(MACHINE_MODELS)
+        ),
+    ] = number("two_axis", MACHINE_MODELS)
     estimator: Annotated[Scalar, Enumeration("Estimator", "estimator of E'd and E'q", tuple(ESTIMATORS))] = number(
         "robust", ESTIMATORS
     )
@@ -126,12 +133,16 @@ class Outputs(NamedTuple):
     omega: Annotated[Scalar, Real("rad/s", "deviation from synchronous speed")] = 0.0
     e1d: Annotated[Scalar, Real("pu", "E'd, d-axis transient voltage")] = 0.0
     e1q: Annotated[Scalar, Real("pu", "E'q, q-axis transient voltage")] = 0.0
+    e2d: Annotated[Scalar, Real("pu", "E''d, d-axis subtransient voltage; 0 where the machine model has none")] = 0.0
+    e2q: Annotated[Scalar, Real("pu", "E''q, q-axis subtransient voltage; 0 where the machine model has none")] = 0.0
     E_f_hat: Annotated[Scalar, Real("pu", "field voltage: measured or estimated, see field_voltage")] = 0.0
     P_m_hat: Annotated[Scalar, Real("pu", "mechanical power: measured or estimated, see mechanical_power")] = 0.0
     delta_std: Annotated[Scalar, deviation("rad", "delta", "speed_observer kalman")] = 0.0
     omega_std: Annotated[Scalar, deviation("rad/s", "omega", "speed_observer kalman")] = 0.0
     e1d_std: Annotated[Scalar, deviation("pu", "E'd", "estimator robust")] = 0.0
     e1q_std: Annotated[Scalar, deviation("pu", "E'q", "estimator robust")] = 0.0
+    e2d_std: Annotated[Scalar, deviation("pu", "E''d", "estimator robust")] = 0.0
+    e2q_std: Annotated[Scalar, deviation("pu", "E''q", "estimator robust")] = 0.0
     E_f_std: Annotated[Scalar, deviation("pu", "E_f", "estimator robust")] = 0.0
     P_m_std: Annotated[Scalar, deviation("pu", "P_m", "speed_observer kalman")] = 0.0
     innovation: Annotated[
@@ -170,12 +181,27 @@ def system_transformer(p: Parameters) -> Transformer:
     return transformer_on_system_base(p.transformer, p.S_n, p.S_base)
 
 
+def rules_of_machine(xp, machine_model, machine: Machine) -> List[Rule]:
+    """Those of the selected model."""
+    return [
+        rule._replace(holds=xp.logical_or(machine_model != number(name, MACHINE_MODELS), rule.holds))
+        for name, model in MACHINE_MODELS.items()
+        for rule in model.rules(xp, machine)
+    ]
+
+
 def rules(xp, p: Parameters, inputs: Inputs) -> List[Rule]:
     """What must hold of parameters that are each in range."""
     one_unknown = xp.logical_or(p.speed_observer != number("adaptive", SPEED_OBSERVERS), p.mechanical_power == MEASURED)
     has_field = xp.logical_or(p.field_voltage == MEASURED, p.estimator == number("robust", ESTIMATORS))
+    two_axis, robust = number("two_axis", MACHINE_MODELS), number("robust", ESTIMATORS)
     return [
-        *reactance_rules(p.machine),
+        *rules_of_machine(xp, p.machine_model, p.machine),
+        Rule(
+            xp.logical_or(p.machine_model == two_axis, p.estimator == robust),
+            "machine_model = {machine_model} is not allowed with estimator = {estimator}; the paper's estimators are "
+            "of two_axis (1), robust (6) works with any",
+        ),
         Rule(
             one_unknown,
             "mechanical_power = 2 (estimated) is not allowed with speed_observer = 2 (adaptive); use 1",

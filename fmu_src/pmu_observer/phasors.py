@@ -4,10 +4,11 @@ As phasors, the frame gives the internal voltage E' = V + j x' I exactly: j E' =
 What no single frame gives is how the angle of j E' divides between x1 and the angle of (x3, x4) (Lemma 1).
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from .interface import Real, Scalar
 from .linear import Complex, Matrix
+from .machines.axes import form
 from .machines.two_axis import Constants
 
 LOWEST_VOLTAGE = 1e-3
@@ -55,11 +56,14 @@ class Signals(NamedTuple):
     """Lemma 2: the measured signals at the time of a frame, next to the measurement they come from."""
 
     measured: Measurement
-    Y1: Scalar  # |E'|^2, pu^2
-    Y2: Scalar  # Re j E', pu
-    Y3: Scalar  # Im j E', pu
-    A: Matrix  # 1/s: d/dt (x3, x4) = A (x3, x4) + (0, c1 E_f)
-    nu: Complex  # x' conj(I/(j E')): what A depends on
+    Y1: Scalar  # |F|^2, pu^2; F = V + j x I is E' for the paper's estimators
+    Y2: Scalar  # Re j F, pu
+    Y3: Scalar  # Im j F, pu
+    nu: Complex  # x conj(I/(j F)): what A depends on
+    x: Scalar  # pu, the reactance that F is behind
+    A: Any  # Matrix, 1/s: d/dt (x3, x4) = A (x3, x4) + (0, c1 E_f); () under a machine model
+    form: Any  # machines.axes.Form; () for the paper's estimators
+    slope: Scalar  # dS/dY1, 1/pu^2, of the saturation
 
 
 def measurement(xp, frame: Frame, P_m, E_f, from_phasors) -> Measurement:
@@ -106,26 +110,47 @@ def is_finite(xp, values, limit=ABSURD):
 
 
 def signals(xp, c: Constants, m: Measurement) -> Signals:
-    """Y1, Y2, Y3 and A of Lemma 2, with z0 = y6 + y2^2/x'.
+    """Y1, Y2, Y3 of Lemma 2 and what the machine's linear form is made of.
 
-    Y1 = (x' y4)^2 + 2 x' y6 + y2^2, Y2 + j Y3 = j E' with E' = e^{j y1} (y2 + x' y6/y2 + j x' y5/y2),
+    Y1 = (x y4)^2 + 2 x y6 + y2^2, Y2 + j Y3 = j F with F = e^{j y1} (y2 + x y6/y2 + j x y5/y2), nu = x conj(I/(j F)).
+    """
+    S, slope = c.model.seen(xp, c.machine, m.V, m.I, m.Q) if c.model else (0.0, 0.0)
+    x = c.model.reactance(xp, c.machine, S) if c.model else c.x
+    Y1 = (x * m.I) * (x * m.I) + 2 * x * m.Q + m.V * m.V
+    Y1 = xp.maximum(Y1, LOWEST_Y1)  # a wild frame: see is_consistent
+    cos, sin = xp.cos(m.theta), xp.sin(m.theta)
+    along, across = m.V + x * m.Q / m.V, x * m.P / m.V
+    z0 = m.Q + m.V * m.V / x
+    nu = Complex(x * z0 / Y1 - 1, x * m.P / Y1)
+    return Signals(
+        m,
+        Y1,
+        Y2=-(along * sin + across * cos),
+        Y3=along * cos - across * sin,
+        nu=nu,
+        x=x,
+        A=() if c.model else paper_A(c, nu),
+        form=machine_form(xp, c, S, x, nu) if c.model else (),
+        slope=slope / (2 * xp.sqrt(Y1)),
+    )
+
+
+def machine_form(xp, c: Constants, S, x, nu: Complex):
+    """Of the machine model, with S measured, and kappa = conj(nu)/x."""
+    kappa = Complex(nu.re / x, -nu.im / x)
+    return form(c.model.axes(xp, c.machine, S), c.model.axes(xp, c.machine, S + 1), kappa)
+
+
+def paper_A(c: Constants, nu: Complex) -> Matrix:
+    """A of Lemma 2, with z0 = y6 + y2^2/x':
 
         A = [ -a2 + b2 x' z0/Y1     b2 x' y5/Y1      ]
             [ -b1 x' y5/Y1         -a1 + b1 x' z0/Y1 ]
 
-    The preprint prints y2 cos(x1 - y1) = (x'/Y1)(z0 x3 - y5 x3); its matrix A is right. With
-    nu = x' conj(I/(j E')) it is -diag(1/T'q0, 1/T'd0) plus rows b2 (Re nu, Im nu), b1 (-Im nu, Re nu).
+    The preprint prints y2 cos(x1 - y1) = (x'/Y1)(z0 x3 - y5 x3); its matrix A is right.
     """
-    Y1 = (c.x * m.I) * (c.x * m.I) + 2 * c.x * m.Q + m.V * m.V
-    Y1 = xp.maximum(Y1, LOWEST_Y1)  # a wild frame: see is_consistent
-    cos, sin = xp.cos(m.theta), xp.sin(m.theta)
-    along, across = m.V + c.x * m.Q / m.V, c.x * m.P / m.V
-    z0 = m.Q + m.V * m.V / c.x
-    same, cross = c.x * z0 / Y1, c.x * m.P / Y1
-    A = Matrix(-c.a2 + c.b2 * same, c.b2 * cross, -c.b1 * cross, -c.a1 + c.b1 * same)
-    return Signals(
-        m, Y1, Y2=-(along * sin + across * cos), Y3=along * cos - across * sin, A=A, nu=Complex(same - 1, cross)
-    )
+    same, cross = nu.re + 1, nu.im
+    return Matrix(-c.a2 + c.b2 * same, c.b2 * cross, -c.b1 * cross, -c.a1 + c.b1 * same)
 
 
 def is_consistent(xp, c: Constants, s: Signals):

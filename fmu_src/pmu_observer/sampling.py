@@ -3,13 +3,14 @@
 An interval may be of any length: frames that are lost or not believed make a longer one, and so does a slow PMU.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from . import noise
 from .interface import Scalar
-from .linear import Complex, Propagation, propagation
+from .linear import Complex, propagation
 from .machines.two_axis import Constants
 from .phasors import Signals
+from .transition import transition
 
 SEEN = 0.1
 """s; over longer than this, what happened between two frames cannot be concluded from them: swings last 0.5 to 2 s."""
@@ -48,15 +49,20 @@ class Interval(NamedTuple):
     before: Signals  # the frame at t-
     after: Signals  # the frame at t
     h: Scalar  # s, t - t-
-    flow: Propagation  # of (x3, x4) from t- to t
     jump: Jump
+    flow: Any  # from t- to t: Propagation of (x3, x4), or Transition under a machine model
 
 
 def interval(xp, c: Constants, before: Signals, after: Signals, h, last: Change = STEADY) -> Interval:
     """The interval with A and E_f linear between its two frames: second order in h. `last` is the change before it."""
-    forcing0, forcing1 = c.c1 * before.measured.E_f, c.c1 * after.measured.E_f
-    flow = propagation(xp, before.A, after.A, forcing0, forcing1, h)
-    return Interval(before, after, h, flow, jump(xp, before, after, h, last))
+    jumped = jump(xp, before, after, h, last)
+    return Interval(before, after, h, jumped, flow(xp, c, before, after, h, jumped))
+
+
+def flow(xp, c: Constants, before: Signals, after: Signals, h, jump: Jump):
+    if c.model:
+        return transition(xp, c, before, after, h, jump, xp.maximum(h - SEEN, 0.0))
+    return propagation(xp, before.A, after.A, c.c1 * before.measured.E_f, c.c1 * after.measured.E_f, h)
 
 
 def change(xp, before: Signals, after: Signals, h) -> Change:
@@ -97,11 +103,9 @@ def ahead(xp, c: Constants, s: Signals, h, last: Change) -> Interval:
 
     The estimators take Y1, A and P of the frame on. What changed over the last interval may do so again, unseen.
     """
-    forcing = c.c1 * s.measured.E_f
-    flow = propagation(xp, s.A, s.A, forcing, forcing, h)
     on = xp.minimum(h, SEEN)
     unseen = Jump(Complex(on * last.nu.re, on * last.nu.im), on * last.P, on * last.E_f)
-    return Interval(s, s, h, flow, unseen)
+    return Interval(s, s, h, unseen, flow(xp, c, s, s, h, unseen))
 
 
 def half_steps(xp, correct, propagate, interval: Interval, state):

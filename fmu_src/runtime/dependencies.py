@@ -30,7 +30,7 @@ def at_start(model: Model) -> List[List[int]]:
     if model.requirements:
         knowns = range(len(tree.leaves((inputs, given))))
         return [list(knowns) for _ in tree.leaves(model.outputs)]
-    chosen = getattr(parameters, model.selector) if model.selector else 0.0
+    chosen = dependencies.together(*[getattr(parameters, name) for name in (model.selector, model.variant) if name])
     found = []
     for program in model.programs.values():
         _, outputs = program.start(dependencies, parameters, inputs, Dependent(0))

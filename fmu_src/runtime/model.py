@@ -3,7 +3,7 @@
 from math import inf
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
-from ..pmu_observer.interface import Rule
+from ..pmu_observer.interface import Enumeration, Rule, variables
 
 Tree = Any
 """A NamedTuple of scalars and of further NamedTuples: see `pmu_observer.tree`."""
@@ -23,11 +23,15 @@ class Program(NamedTuple):
 
     `output` is for equations with direct feedthrough: where an input is set after a step, the outputs that are read
     then show it. It changes nothing, so that reading twice gives the same.
+
+    first_state(xp, parameters, inputs, t) -> state is for equations whose start is that state, with the outputs of a
+    step of zero length: C then needs the step once only.
     """
 
     start: Callable[..., Tuple[Tree, Tree]]
     step: Callable[..., Tuple[Tree, Tree]]
     output: Optional[Callable[..., Tree]] = None
+    first_state: Optional[Callable[..., Tree]] = None
 
 
 class Terminal(NamedTuple):
@@ -53,6 +57,8 @@ class Model(NamedTuple):
     programs: Dict[str, Program]
     """One program, or one for each item of the enumeration parameter named by `selector`."""
     selector: str = ""
+    variant: str = ""
+    """A second enumeration parameter: its item b turns program a into a_b, where there is one; else it is still a."""
     rules: Callable[..., List[Rule]] = no_rules
     """rules(xp, parameters, inputs): what must hold at the start of values that are each in range."""
     input_variability: str = "continuous"
@@ -74,6 +80,24 @@ class Model(NamedTuple):
 
     def program(self, parameters: Tree) -> Program:
         """The program that the parameters select."""
+        table = self.table()
+        row = int(getattr(parameters, self.selector)) - 1 if self.selector else 0
+        column = int(getattr(parameters, self.variant)) - 1 if self.variant else 0
+        return self.programs[table[column * self.selected + row]]
+
+    @property
+    def selected(self) -> int:
+        """How many items the selector has."""
+        return len(self.items(self.selector)) if self.selector else 1
+
+    def items(self, parameter: str) -> Tuple[str, ...]:
+        """Of an enumeration parameter."""
+        (found,) = [v.specification for v in variables(self.parameters) if v.name == parameter]
+        return found.items if isinstance(found, Enumeration) else ()
+
+    def table(self) -> List[str]:
+        """The names of the programs for each item of the selector, and these for each item of the variant."""
         if not self.selector:
-            return next(iter(self.programs.values()))
-        return list(self.programs.values())[int(getattr(parameters, self.selector)) - 1]
+            return list(self.programs)
+        selected, variants = self.items(self.selector), self.items(self.variant) if self.variant else ("",)
+        return [f"{a}_{b}" if f"{a}_{b}" in self.programs else a for b in variants for a in selected]

@@ -133,7 +133,7 @@ def test_dependencies_at_the_start_are_those_that_casadi_finds(dist, name):
     model = build_fmu.all_models()[name][1]
     knowns = [v.name for v in description.modelVariables if v.causality in ("input", "parameter")]
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]
-    expected = {output: {model.selector} - {""} for output in outputs}
+    expected = {output: {model.selector, model.variant} - {""} for output in outputs}
     for program in model.programs.values():
         shape = (model.inputs, model.parameters)
         inputs, parameters = tree.like(shape, [SX.sym(known) for known in knowns])

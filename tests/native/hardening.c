@@ -211,8 +211,13 @@ static void fuzz_others(fmi2Component c) {
 static void choose_program(fmi2Component c) {
 #ifdef SELECTOR
     const fmi2ValueReference selector = SELECTOR;
-    const fmi2Integer item = 1 + (fmi2Integer)any_below(sizeof PROGRAMS / sizeof *PROGRAMS);
+    const fmi2Integer item = 1 + (fmi2Integer)any_below(SELECTED);
     CALL(fmi2SetInteger, c, &selector, 1, &item);
+#ifdef VARIANT
+    const fmi2ValueReference variant = VARIANT;
+    const fmi2Integer of_it = 1 + (fmi2Integer)any_below(sizeof PROGRAMS / sizeof *PROGRAMS / SELECTED);
+    CALL(fmi2SetInteger, c, &variant, 1, &of_it);
+#endif
 #else
     (void)c;
 #endif

@@ -5,12 +5,15 @@ import sys
 import pytest
 
 import build_fmu
+from fmu_src.pmu_observer.estimators import ESTIMATORS
+from fmu_src.pmu_observer.machines import MACHINE_MODELS
+from fmu_src.pmu_observer.observer_interface import number
 
 from ..fmu.instance import FRAME, OK, Instance
 
 H = 1 / 60
 STEPS = 180
-ESTIMATORS = list(build_fmu.all_models()["PmuObserver"][1].programs)
+PROGRAMS = list(build_fmu.all_models()["PmuObserver"][1].programs)
 
 LINE = {"x_line": 0.2, "P_m": 0.8, "E_f": 1.2, "t_fault": 1.0, "t_clear": 1.1}
 CASES = {
@@ -20,10 +23,17 @@ CASES = {
 }
 
 
-def trajectory(folder, estimator, plant_start, observer_start):
+def choice(program: str):
+    """Estimator and machine model of a program, by their numbers."""
+    estimator = next(name for name in ESTIMATORS if program.startswith(name))
+    machine_model = program[len(estimator) + 1 :] or "two_axis"
+    return {"estimator": number(estimator, ESTIMATORS), "machine_model": number(machine_model, MACHINE_MODELS)}
+
+
+def trajectory(folder, program, plant_start, observer_start):
     """Every output of plant and observer at every step; one frame in ten is lost."""
     plant = Instance(folder / "SmibPlant.fmu", "plant", **plant_start).initialise()
-    observer = Instance(folder / "PmuObserver.fmu", "observer", estimator=estimator, **observer_start)
+    observer = Instance(folder / "PmuObserver.fmu", "observer", **choice(program), **observer_start)
     machine = dict(zip(("P_m", "E_f"), plant.get("P_m", "E_f"), strict=True))
     observer.initialise(**machine, **frame(plant))
     rows = []
@@ -46,10 +56,10 @@ def frame(plant):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the binary for Windows has another libm than Python there")
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("estimator", range(1, 1 + len(ESTIMATORS)), ids=ESTIMATORS)
-def test_agreement(dist, native_dist, estimator, case):
-    python, variables = trajectory(dist / "python", estimator, *CASES[case])
-    native, _ = trajectory(native_dist / "native", estimator, *CASES[case])
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_agreement(dist, native_dist, program, case):
+    python, variables = trajectory(dist / "python", program, *CASES[case])
+    native, _ = trajectory(native_dist / "native", program, *CASES[case])
     for k, rows in enumerate(zip(python, native, strict=True)):
         for variable, expected, got in zip(variables, *rows, strict=True):
             tolerance = 1e-10 * float(variable.nominal or 1.0)

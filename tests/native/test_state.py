@@ -12,7 +12,7 @@ import build_fmu
 from ..fmu.instance import ERROR, FRAME, OK, Instance
 
 H = 1 / 60
-ESTIMATORS = range(1, 1 + len(build_fmu.all_models()["PmuObserver"][1].programs))
+ESTIMATORS = range(1, 1 + build_fmu.all_models()["PmuObserver"][1].selected)
 
 CONTINUE = """
 import sys

@@ -4,8 +4,8 @@ from typing import Any
 
 from .. import tree
 
-__all__ = ["abs", "atan2", "cond", "cos", "exp", "expm1", "floor", "log", "logical_and", "logical_not"]
-__all__ += ["logical_or", "maximum", "minimum", "sin", "sqrt", "where"]
+__all__ = ["abs", "atan2", "cond", "cos", "exp", "expm1", "floor", "fold", "log", "logical_and", "logical_not"]
+__all__ += ["logical_or", "map", "maximum", "minimum", "sin", "sqrt", "where"]
 
 
 class Dependent:
@@ -39,3 +39,13 @@ logical_and = logical_not = logical_or = maximum = minimum = where = together
 
 def cond(condition, then, otherwise):
     return tree.map(lambda x, y: together(condition, x, y), then(), otherwise())
+
+
+def map(function, items, shared=()):
+    return tuple([function(item, shared) for item in items])
+
+
+def fold(function, carry, items, shared=()):
+    for item in items:
+        carry = function(carry, item, shared)
+    return carry

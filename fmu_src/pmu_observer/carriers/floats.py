@@ -2,8 +2,8 @@
 
 from math import atan2, cos, exp, expm1, log, sin, sqrt
 
-__all__ = ["abs", "atan2", "cond", "cos", "exp", "expm1", "floor", "log", "logical_and", "logical_not"]
-__all__ += ["logical_or", "maximum", "minimum", "sin", "sqrt", "where"]
+__all__ = ["abs", "atan2", "cond", "cos", "exp", "expm1", "floor", "fold", "log", "logical_and", "logical_not"]
+__all__ += ["logical_or", "map", "maximum", "minimum", "sin", "sqrt", "where"]
 
 abs = abs
 
@@ -38,3 +38,13 @@ def logical_or(x, y):
 
 def logical_not(x):
     return not x
+
+
+def map(function, items, shared=()):
+    return tuple([function(item, shared) for item in items])
+
+
+def fold(function, carry, items, shared=()):
+    for item in items:
+        carry = function(carry, item, shared)
+    return carry

@@ -1,23 +1,38 @@
 """A bank of Kalman filters, weighted by likelihood, and the one filter that tracks: for frames with noise.
 
-Lemmas 1 and 2: given the frames, (x3, x4) moves linearly and |(x3, x4)| = sqrt(Y1) is known at once; only its
-direction is not, on the half circle E'q > 0. So 24 filters start there and their likelihoods decide: seen through noise
-the problem has up to four wells, and no single filter leaves a wrong one. Once one well has won, its mixture becomes
-the tracker. The bank, started again and again, is the tracker's supervisor: where its best explains the same window of
-frames far better, it takes over.
+Lemmas 1 and 2, for any machine model (see `machines.axes`): given the frames, the machine's states z move linearly,
+and of f, the rotor's view of the measured voltage F, |f| = sqrt(Y1) is known at once; only its direction is not, on the
+half circle f_q > 0. So 24 filters start there and their likelihoods decide: seen through noise the problem has up to
+four wells, and no single filter leaves a wrong one. Once one well has won, its mixture becomes the tracker. The bank,
+started again and again, is the tracker's supervisor: where its best explains the same window of frames far better, it
+takes over.
 
 There is no gain to choose: `tve`, the assumed noise of the phasors, settles everything.
 """
 
 from collections import namedtuple
 from math import cos, pi, sin
-from typing import Annotated, Any, List, NamedTuple
+from typing import Annotated, Any, NamedTuple, Tuple
 
 from .. import noise
 from ..angle import Covariance, Estimate, direction_variance, rotor_angle
-from ..gaussian import Circle, Gaussian, Transition, Updated, circle_of, predict, transition, turn_variance, update
+from ..gaussian import (
+    Circle,
+    Gaussian,
+    Updated,
+    circle_of,
+    flux,
+    flux_covariance,
+    innovation,
+    log_likelihood,
+    predict,
+    turn_variance,
+    update,
+)
 from ..interface import Integer, Scalar
 from ..linear import Vector
+from ..matrix import apply, dot, outer, product, transposed
+from ..transition import Transition
 
 SIZE = 24
 """Hypotheses; 8 capture a wrong well in 4 % of random machines, 24 in less than 0.1 %."""
@@ -32,8 +47,8 @@ SUPERVISED_AGE, GREATEST_AGE, REST = 0.25, 5.0, 0.75
 """s: the end of a supervision once captured, and in any case; the rest before the next one."""
 
 CAPTURE_SPREAD, RIVAL_DISTANCE, RIVAL_LEAD = 0.03, 0.1, 12.5
-"""Captured: the mixture's standard deviation is below 0.03 |E'|, and the best hypothesis leads all that are farther
-from it than 0.1 |E'| by 12.5 in log-likelihood."""
+"""Captured: the mixture's standard deviation is below 0.03 |F|, and the best hypothesis leads all that are farther
+from it than 0.1 |F| by 12.5 in log-likelihood."""
 
 LEAST_E_F, EXCLUDED = -0.5, -1e6
 """pu: no machine in operation has a lower field voltage; and the log-likelihood of what is no candidate."""
@@ -42,7 +57,7 @@ LEAST_EXPONENT = -700.0
 """e to the power of less is not a normal number."""
 
 TAKEOVER_LEAD, TAKEOVER_DISTANCE, TAKEOVER_MAHALANOBIS2 = 25.0, 0.05, 25.0
-"""The bank replaces the tracker: it leads by 25 in log-likelihood and is farther off than 0.05 |E'| and than 5 standard
+"""The bank replaces the tracker: it leads by 25 in log-likelihood and is farther off than 0.05 |F| and than 5 standard
 deviations. (Comparing the estimates alone takes over wrongly.)"""
 
 
@@ -66,6 +81,8 @@ class Hypothesis(NamedTuple):
 
 Bank: Any = namedtuple("Bank", [f"hypothesis{k}" for k in range(SIZE)])
 
+DIRECTIONS = tuple([Vector(cos((k + 0.5) * pi / SIZE), sin((k + 0.5) * pi / SIZE)) for k in range(SIZE)])
+
 
 class Supervision(NamedTuple):
     """The bank, and the tracker as one more hypothesis of the same window of frames."""
@@ -86,6 +103,8 @@ class Verdict(NamedTuple):
 
 class State(NamedTuple):
     tracker: Gaussian  # until capture: the bank's mixture
+    flux: Vector  # the tracker's f, pu,
+    covariance: Covariance  # and its covariance
     tracking: Scalar  # 0 until the first capture, then 1
     takeovers: Scalar
     innovation: Scalar  # the tracker's last, in standard deviations
@@ -102,9 +121,12 @@ LONG_CALM = 1e3
 
 def start(xp, p, c, s):
     supervision = started(xp, c, s)
-    mixed = mixture(xp, [gaussian for gaussian, _ in supervision.bank], [0.0] * SIZE)
+    mixed = mixture(xp, supervision.bank)
+    C = s.form.C
     return State(
         tracker=mixed,
+        flux=flux(c, C, mixed.x),
+        covariance=flux_covariance(c, C, mixed),
         tracking=0.0,
         takeovers=0.0,
         innovation=0.0,
@@ -120,48 +142,71 @@ def started(xp, c, s) -> Supervision:
     return Supervision(fresh(xp, c, s), tracker_score=0.0, awake=1.0, age=0.0)
 
 
+class First(NamedTuple):
+    """What a frame says of the bank's start."""
+
+    r: Scalar  # pu, |f|
+    radial: Scalar  # pu^2, its variance
+    rest: Any  # z = rest f while the damper windings are at rest
+    field: Any  # E_f = field z while E'q is at rest
+    E_f: Scalar  # pu, measured
+    E_f_known: Scalar
+
+
 def fresh(xp, c, s):
     """The bank at its start: directions (k + 1/2) pi/24, with the standard deviation of a uniform one over pi/24.
 
-    E_f, if it is to be estimated: what keeps E'q at rest, with a standard deviation of 1 pu.
+    Damper windings are at rest but for OFF_REST. E_f, if it is to be estimated: what keeps E'q at rest, with a standard
+    deviation of 1 pu.
     """
-    known = s.measured.E_f_known > 0
-    _, R = noise.of_Y1(c, s)
-    r = xp.sqrt(s.Y1)
-    radial = R / (4 * s.Y1)
-    tangential = s.Y1 * (pi / SIZE) * (pi / SIZE) / 12
-    hypotheses = []
-    for k in range(SIZE):
-        d, q = cos((k + 0.5) * pi / SIZE), sin((k + 0.5) * pi / SIZE)
-        x = Vector(r * d, r * q)
-        at_rest = xp.minimum(xp.maximum(-(s.A.qd * x.d + s.A.qq * x.q) / c.c1, 0.0), 3.0)
-        P = Covariance(
-            dd=radial * d * d + tangential * q * q,
-            dq=(radial - tangential) * d * q,
-            qq=radial * q * q + tangential * d * d,
-            ff=xp.where(known, 0.0, 1.0),
+    form, (_, R) = s.form, noise.of_Y1(s)
+    field = tuple([-a / form.e[-1] for a in form.A[-1]])
+    common = First(xp.sqrt(s.Y1), R / (4 * s.Y1), form.rest, field, s.measured.E_f, s.measured.E_f_known)
+    stator = 0, c.model.D_STATES
+
+    def hypothesis(direction: Vector, first: First) -> Hypothesis:
+        d, q = direction
+        z = apply(first.rest, (first.r * d, first.r * q))
+        known = first.E_f_known > 0
+        at_rest = xp.minimum(xp.maximum(dot(first.field, z), 0.0), HIGHEST_E_F)
+        tangential = first.r * first.r * (pi / SIZE) * (pi / SIZE) / 12
+        across = tangential - first.radial
+        P = (
+            (first.radial + across * q * q, -across * d * q),
+            (-across * d * q, first.radial + across * d * d),
         )
-        hypotheses.append(Hypothesis(Gaussian(x, xp.where(known, s.measured.E_f, at_rest), P), 0.0))
-    return Bank(*hypotheses)
+        of_z = product(product(first.rest, P), transposed(first.rest))
+        n, covariance = len(z), []
+        for i in range(n):
+            for j in range(i, n):
+                covariance.append(of_z[i][j] + (OFF_REST * OFF_REST if i == j and i not in stator else 0.0))
+            covariance.append(0.0)
+        covariance.append(xp.where(known, 0.0, 1.0))
+        return Hypothesis(Gaussian((*z, xp.where(known, first.E_f, at_rest)), tuple(covariance)), 0.0)
+
+    return Bank(*xp.map(hypothesis, DIRECTIONS, common))
+
+
+OFF_REST, HIGHEST_E_F = 0.05, 3.0
+"""pu; of the states that the stator does not see, at the start; and the highest field voltage to start from."""
 
 
 def step(xp, p, c, state, interval):
-    s, h, nu = interval.after, interval.h, interval.jump.nu
+    s, h, nu, t = interval.after, interval.h, interval.jump.nu, interval.flow
     jumped = nu.re * nu.re + nu.im * nu.im > 0
     calm = xp.where(jumped, 0.0, state.calm + h)
-    t = transition(xp, c, interval)
-    circle = circle_of(c, s)
+    circle = circle_of(s)
     unknown = xp.where(s.measured.E_f_known > 0, 0.0, 1.0)
 
     walk = WALK_TRACKER * (1 + FORCING * xp.exp(-calm / FORCING_DECAY))
     E_f_walk = unknown * walk * walk
-    predicted = predict(xp, t, state.tracker, E_f_walk * h)
-    u = update(xp, t, predicted, circle)
+    predicted = predict(xp, c, t, state.tracker, E_f_walk * h)
+    u = update(xp, c, t, predicted, circle)
 
     tracking = state.tracking > 0
     verdict = xp.cond(
         state.supervision.awake > 0,
-        lambda: supervise(xp, state.supervision, u, tracking, circle, t, h, unknown * WALK_BANK * WALK_BANK),
+        lambda: supervise(xp, c, state.supervision, u, tracking, circle, t, h, unknown * WALK_BANK * WALK_BANK),
         lambda: rest(xp, state.supervision, u.gaussian, h),
     )
     supervision = xp.cond(
@@ -169,17 +214,19 @@ def step(xp, p, c, state, interval):
     )
 
     tracker = verdict.tracker
-    old, new = predicted.x, tracker.x
+    old, new = flux(c, t.C, predicted.x), flux(c, t.C, tracker.x)
     return State(
         tracker=tracker,
+        flux=new,
+        covariance=flux_covariance(c, t.C, tracker),
         tracking=xp.where(xp.logical_or(tracking, verdict.captured > 0), 1.0, 0.0),
         takeovers=state.takeovers + verdict.takeover,
-        innovation=u.innovation,
+        innovation=innovation(xp, u),
         turn=xp.atan2(old.d * new.q - old.q * new.d, old.d * new.d + old.q * new.q),
         turn_variance=xp.where(
             tracking,
-            turn_variance(t, state.tracker, predicted),
-            direction_variance(predicted.x, predicted.P),
+            turn_variance(c, t, state.tracker, predicted),
+            direction_variance(old, flux_covariance(c, t.C, predicted)),
         ),
         E_f_walk=E_f_walk,
         calm=calm,
@@ -193,33 +240,60 @@ def rest(xp, before: Supervision, tracker: Gaussian, h) -> Verdict:
     return Verdict(before._replace(age=age), tracker, 0.0, 0.0, again=xp.where(age >= REST, 1.0, 0.0))
 
 
-def supervise(xp, before: Supervision, u: Updated, tracking, circle: Circle, t: Transition, h, walk) -> Verdict:
+class Frame(NamedTuple):
+    """What an interval and the frame that ends it do to every hypothesis."""
+
+    transition: Transition
+    circle: Circle
+    walk: Scalar  # pu^2, the variance that E_f gains
+
+
+class Scored(NamedTuple):
+    """A hypothesis with the frame."""
+
+    gaussian: Gaussian
+    flux: Vector  # pu
+    score: Scalar  # log-likelihood of the window
+    ranked: Scalar  # the same, or EXCLUDED
+
+
+def supervise(xp, c, before: Supervision, u: Updated, tracking, circle: Circle, t: Transition, h, walk) -> Verdict:
     """The bank over the interval; is one well left, does the bank replace the tracker, and what does it do next?"""
     tracker, age = u.gaussian, before.age + h
-    updates = [update(xp, t, predict(xp, t, gaussian, walk * h), circle) for gaussian, _ in before.bank]
-    bank = [updated.gaussian for updated in updates]
-    likelihoods = [score + updated.log_likelihood for (_, score), updated in zip(before.bank, updates)]
-    # (x, E_f) -> (-x, -E_f) is a solution too, and its E_f is below LEAST_E_F
-    scores = [xp.where(gaussian.E_f < LEAST_E_F, EXCLUDED, score) for gaussian, score in zip(bank, likelihoods)]
-    best, lead = winner(xp, bank, scores)
-    tracker_score = before.tracker_score + u.log_likelihood - best
+
+    def moved(hypothesis: Hypothesis, frame: Frame) -> Updated:
+        t = frame.transition
+        return update(xp, c, t, predict(xp, c, t, hypothesis.gaussian, frame.walk), frame.circle)
+
+    def scored(item: Tuple[Any, Updated], C) -> Scored:
+        score, updated = item
+        own = score + log_likelihood(xp, updated)
+        # (z, E_f) -> (-z, -E_f) is a solution too, and its E_f is below LEAST_E_F
+        x = updated.gaussian.x
+        return Scored(updated.gaussian, flux(c, C, x), own, xp.where(x[-1] < LEAST_E_F, EXCLUDED, own))
+
+    updates = xp.map(moved, before.bank, Frame(t, circle, walk * h))
+    bank = xp.map(scored, tuple([(item.score, updated) for item, updated in zip(before.bank, updates)]), t.C)
+    best, lead = winner(xp, bank)
+    tracker_score = before.tracker_score + log_likelihood(xp, u) - best
     alone = lead > RIVAL_LEAD
     mixed = xp.cond(
         xp.logical_or(xp.logical_not(tracking), alone),
-        lambda: mixture(xp, bank, [score - best for score in scores]),
+        lambda: mixture(xp, tuple([Hypothesis(b.gaussian, b.ranked - best) for b in bank])),
         lambda: tracker,  # nothing comes of the bank yet
     )
 
-    captured = xp.logical_and(alone, mixed.P.dd + mixed.P.qq < CAPTURE_SPREAD * CAPTURE_SPREAD * circle.Y1)
+    of_mixed = flux_covariance(c, t.C, mixed)
+    captured = xp.logical_and(alone, of_mixed.dd + of_mixed.qq < CAPTURE_SPREAD * CAPTURE_SPREAD * circle.Y1)
     ahead = xp.logical_and(captured, tracker_score < -TAKEOVER_LEAD)
-    takeover = xp.logical_and(tracking, xp.logical_and(ahead, contradict(xp, tracker, mixed, circle.Y1)))
+    takeover = xp.logical_and(tracking, xp.logical_and(ahead, contradict(xp, c, t, tracker, mixed, circle.Y1)))
     replaces = xp.logical_or(xp.logical_not(tracking), takeover)
 
     done = xp.logical_and(captured, age > SUPERVISED_AGE)
     again = xp.logical_or(takeover, xp.logical_and(tracking, age >= GREATEST_AGE))
     return Verdict(
         Supervision(
-            Bank(*[Hypothesis(gaussian, score - best) for gaussian, score in zip(bank, likelihoods)]),
+            Bank(*[Hypothesis(b.gaussian, b.score - best) for b in bank]),
             tracker_score=tracker_score,
             awake=xp.where(done, 0.0, 1.0),
             age=xp.where(done, 0.0, age),
@@ -231,44 +305,54 @@ def supervise(xp, before: Supervision, u: Updated, tracking, circle: Circle, t: 
     )
 
 
-def winner(xp, bank: List[Gaussian], scores):
-    """The best score, and its lead over all hypotheses that are farther than 0.1 |x| from the best one."""
-    best, ((d, q), _, _) = scores[0], bank[0]
-    for score, ((own_d, own_q), _, _) in zip(scores[1:], bank[1:]):
-        better = score > best
-        best, d, q = xp.where(better, score, best), xp.where(better, own_d, d), xp.where(better, own_q, q)
-    near2 = RIVAL_DISTANCE * RIVAL_DISTANCE * (d * d + q * q)
-    rival = EXCLUDED
-    for score, ((own_d, own_q), _, _) in zip(scores, bank):
-        away_d, away_q = own_d - d, own_q - q
-        far = away_d * away_d + away_q * away_q > near2
-        rival = xp.where(far, xp.maximum(rival, score), rival)
-    return best, best - rival
+class Best(NamedTuple):
+    score: Scalar
+    flux: Vector
 
 
-def mixture(xp, bank: List[Gaussian], scores) -> Gaussian:
+def winner(xp, bank):
+    """The best score, and its lead over all hypotheses that are farther than 0.1 |f| from the best one."""
+
+    def better_of(best: Best, item: Scored, _) -> Best:
+        better = item.ranked > best.score
+        d, q = [xp.where(better, new, old) for new, old in zip(item.flux, best.flux)]
+        return Best(xp.where(better, item.ranked, best.score), Vector(d, q))
+
+    def best_rival(rival, item: Scored, best: Vector):
+        d, q = item.flux.d - best.d, item.flux.q - best.q
+        far = d * d + q * q > RIVAL_DISTANCE * RIVAL_DISTANCE * (best.d * best.d + best.q * best.q)
+        return xp.where(far, xp.maximum(rival, item.ranked), rival)
+
+    best = xp.fold(better_of, Best(bank[0].ranked, bank[0].flux), bank[1:])
+    return best.score, best.score - xp.fold(best_rival, EXCLUDED, bank, best.flux)
+
+
+def mixture(xp, bank) -> Gaussian:
     """Mean and covariance of the bank, each hypothesis with the weight e^score; the best score is 0."""
-    weights = [xp.exp(xp.maximum(score, LEAST_EXPONENT)) for score in scores]
-    total = sum(weights)
-    mean_d = sum(w * v.x.d for w, v in zip(weights, bank)) / total
-    mean_q = sum(w * v.x.q for w, v in zip(weights, bank)) / total
-    mean_f = sum(w * v.E_f for w, v in zip(weights, bank)) / total
-    dd = dq = qq = df = qf = ff = 0.0
-    for w, v in zip(weights, bank):
-        d, q, f, P = v.x.d - mean_d, v.x.q - mean_q, v.E_f - mean_f, v.P
-        dd = dd + w * (P.dd + d * d)
-        dq = dq + w * (P.dq + d * q)
-        qq = qq + w * (P.qq + q * q)
-        df = df + w * (P.df + d * f)
-        qf = qf + w * (P.qf + q * f)
-        ff = ff + w * (P.ff + f * f)
-    return Gaussian(Vector(mean_d, mean_q), mean_f, Covariance(*[v / total for v in (dd, dq, qq, df, qf, ff)]))
+    size = len(bank[0].gaussian.x)
+    weights = xp.map(lambda item, _: xp.exp(xp.maximum(item.score, LEAST_EXPONENT)), bank)
+    weighted = tuple(zip(weights, [item.gaussian for item in bank]))
+
+    def summed(sums, item, _):
+        weight, (x, _P) = item
+        total, of_x = sums
+        return total + weight, tuple([s + weight * y for s, y in zip(of_x, x)])
+
+    def spread(sums, item, mean):
+        weight, (x, P) = item
+        return tuple([s + weight * (p + o) for s, p, o in zip(sums, P, outer([y - m for y, m in zip(x, mean)]))])
+
+    total, of_x = xp.fold(summed, (0.0, (0.0,) * size), weighted)
+    mean = tuple([s / total for s in of_x])
+    P = xp.fold(spread, (0.0,) * (size * (size + 1) // 2), weighted, mean)
+    return Gaussian(mean, tuple([s / total for s in P]))
 
 
-def contradict(xp, tracker: Gaussian, mixed: Gaussian, Y1):
+def contradict(xp, c, t: Transition, tracker: Gaussian, mixed: Gaussian, Y1):
     """The two are far apart, and not within what their covariances allow for."""
-    d, q = tracker.x.d - mixed.x.d, tracker.x.q - mixed.x.q
-    P, M = tracker.P, mixed.P
+    one, other = flux(c, t.C, tracker.x), flux(c, t.C, mixed.x)
+    d, q = one.d - other.d, one.q - other.q
+    P, M = flux_covariance(c, t.C, tracker), flux_covariance(c, t.C, mixed)
     dd, dq, qq = P.dd + M.dd, P.dq + M.dq, P.qq + M.qq
     apart2 = qq * d * d - 2 * dq * d * q + dd * q * q  # Mahalanobis distance squared, times the determinant
     far = d * d + q * q > TAKEOVER_DISTANCE * TAKEOVER_DISTANCE * Y1
@@ -276,12 +360,12 @@ def contradict(xp, tracker: Gaussian, mixed: Gaussian, Y1):
 
 
 def estimate(xp, state, s, near):
-    x, E_f, P = state.tracker
     return Estimate(
-        delta=rotor_angle(xp, s, x, near).delta,
-        x=x,
-        covariance=P,
-        E_f=E_f,
+        delta=rotor_angle(xp, s, state.flux, near).delta,
+        x=state.flux,
+        covariance=state.covariance,
+        gaussian=state.tracker,
+        E_f=state.tracker.x[-1],
         E_f_walk=state.E_f_walk,
         innovation=state.innovation,
         capturing=1 - state.tracking,

@@ -7,7 +7,7 @@ Every model is written twice, and tests hold the two against each other: its non
 prints it, and its linear, time-varying form for the observer (see `axes`).
 """
 
-from typing import Any, List, Protocol, Tuple, Type
+from typing import Any, Callable, List, Optional, Protocol, Tuple, Type
 
 from ..interface import Rule
 from ..linear import Vector
@@ -50,6 +50,9 @@ class MachineModel(Protocol):
     STATES: Tuple[str, ...]  # of the linear form, by the names of the observer's outputs, those of the d axis first
     D_STATES: int  # how many are of the d axis
     SALIENT: bool  # f is not simply the first state of each axis
+
+    field_of_saturation: Optional[Callable]
+    """(xp, S10, S12, e1q) -> what a saturation that no PMU sees takes of the field voltage, pu; None: there is none."""
 
     def seen(self, xp, m: Machine, V, I, Q) -> Saturation:  # noqa: E741
         """S from what a frame gives, with the terminal moved behind Ra."""

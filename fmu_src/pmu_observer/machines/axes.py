@@ -43,10 +43,10 @@ class Form(NamedTuple):
     e: Column  # n, 1/s
     C: Rows  # 2 x 2: f = C (z[0] of d, z[0] of q)
     rest: Rows  # n x 2: z = rest f while the damper windings are at rest
-    by_d: Column  # n, 1/s: what an error of i_d does
-    by_q: Column  # n, 1/s: what an error of i_q does
+    by_d: Column  # n, 1/s: what an error of kappa does, times Re(dkappa f),
+    by_q: Column  # n, 1/s: and times Im(dkappa f)
     by_S: Rows  # n x 2, 1/s: what an error of S does, times f
-    CX: Rows  # 2 x 2: what an error of (i_d, i_q) does to f
+    CX: Rows  # 2 x 2: what an error of kappa does to f = C z, times (Re, Im)(dkappa f)
 
 
 def form(axes: Axes, with_more: Axes, kappa: Complex) -> Form:
@@ -66,17 +66,21 @@ def form(axes: Axes, with_more: Axes, kappa: Complex) -> Form:
             whole[0] = whole[0] + k * by_zd
             whole[n_d] = whole[n_d] + k * by_zq
             A.append(tuple(whole))
-    none_d, none_q = (0.0,) * n_d, (0.0,) * (n - n_d)
+    # an error di of kappa f makes one of f, CX di, which kappa turns into one of i again: (1 + kappa CX) di in all
+    CX = ((C_dd * d.drop[0], C_dq * q.drop[0]), (C_qd * d.drop[0], C_qq * q.drop[0]))
+    (X_dd, X_dq), (X_qd, X_qq) = CX
+    by_d = [k * (1 + re * X_dd - im * X_qd) for k in d.k] + [k * (im * X_dd + re * X_qd) for k in q.k]
+    by_q = [k * (re * X_dq - im * X_qq) for k in d.k] + [k * (1 + im * X_dq + re * X_qq) for k in q.k]
     return Form(
         A=tuple(A),
-        e=none_d + q.e,
+        e=(0.0,) * n_d + q.e,
         C=C,
         rest=tuple((1 - c * re, c * im) for c in d.drop) + tuple((-c * im, 1 - c * re) for c in q.drop),
-        by_d=d.k + none_q,
-        by_q=none_d + q.k,
+        by_d=tuple(by_d),
+        by_q=tuple(by_q),
         by_S=tuple((of_f + of_i * re, -of_i * im) for of_f, of_i in by_saturation(d, with_more.d))
         + tuple((of_i * im, of_f + of_i * re) for of_f, of_i in by_saturation(q, with_more.q)),
-        CX=((C_dd * d.drop[0], C_dq * q.drop[0]), (C_qd * d.drop[0], C_qq * q.drop[0])),
+        CX=CX,
     )
 
 

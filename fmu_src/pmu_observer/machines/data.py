@@ -86,5 +86,4 @@ def reactance_rules(machine: Machine) -> List[Rule]:
     return [
         Rule(machine.xd1 <= machine.xd, "xd1 = {xd1} is not allowed; it must be in (0, xd = {xd}] pu"),
         Rule(machine.xq1 <= machine.xq, "xq1 = {xq1} is not allowed; it must be in (0, xq = {xq}] pu"),
-        Rule(machine.xd1 <= machine.xq, "xd1 = {xd1} is not allowed; it must be in (0, xq = {xq}] pu"),
     ]

@@ -36,15 +36,15 @@ def rates(xp, m: Machine, x: Windings, i: Vector, S, E_f) -> Windings:
     psi_kd = x.e1q - x.psi_kd - leak * i.d
     field = i.d + (m.xd1 - m.xd2) / (leak * leak) * psi_kd
     return Windings(
-        e1q=(E_f - field_of_saturation(xp, m, x.e1q) - x.e1q - (m.xd - m.xd1) * field) / m.Td10,
+        e1q=(E_f - field_of_saturation(xp, m.S10, m.S12, x.e1q) - x.e1q - (m.xd - m.xd1) * field) / m.Td10,
         psi_kd=psi_kd / m.Td20,
         e2d=(-x.e2d + (m.xq - m.xd2) * i.q) / m.Tq20,
     )
 
 
-def field_of_saturation(xp, m: Machine, e1q):
+def field_of_saturation(xp, S10, S12, e1q):
     """S(E'q) E'q, pu: what the iron takes of the field voltage."""
-    return quadratic(xp, m.S10, m.S12, e1q).S * e1q
+    return quadratic(xp, S10, S12, e1q).S * e1q
 
 
 def at_rest(xp, m: Machine, S) -> Field:

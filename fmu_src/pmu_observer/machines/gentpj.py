@@ -79,6 +79,10 @@ def voltages(xp, m: Machine, x: Windings, i: Vector, S):
 # The linear, time-varying form ----------------------------------------------------------------------------------------
 
 
+field_of_saturation = None
+"""Every saturation is one that a PMU sees."""
+
+
 def seen(xp, m: Machine, V, I, Q) -> Saturation:  # noqa: E741 - the paper's name
     """S and its slope from a frame, with the terminal moved behind Ra."""
     return quadratic(xp, m.S10, m.S12, magnitude_behind(xp, V, I, Q, m.xl) + m.Kis * I)

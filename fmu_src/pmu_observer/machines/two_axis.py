@@ -15,7 +15,7 @@ saturation xr is of no effect, and x'd for x'd = x'q gives the paper's form, wit
 x2 is the deviation from synchronous speed. Bobtsov et al. (2020), eq. (1)-(3); x'd = x'q and zero stator resistance.
 """
 
-from typing import List, NamedTuple
+from typing import Any, List, NamedTuple
 
 from ..interface import Rule, Scalar
 from ..linear import Vector
@@ -91,6 +91,10 @@ def voltages(xp, m: Machine, x: Windings, i: Vector, S):
 # The linear, time-varying form ----------------------------------------------------------------------------------------
 
 
+field_of_saturation = None
+"""Every saturation is one that a PMU sees."""
+
+
 def seen(xp, m: Machine, V, I, Q) -> Saturation:  # noqa: E741 - the paper's name
     """S and its slope from a frame, with the terminal moved behind Ra."""
     return quadratic(xp, m.S10, m.S12, magnitude_behind(xp, V, I, Q, behind_which_saturates(xp, m)))
@@ -117,6 +121,7 @@ def rules(xp, m: Machine) -> List[Rule]:
     linear = xp.logical_not(saturates(m))
     return [
         *reactance_rules(m),
+        Rule(m.xd1 <= m.xq, "xd1 = {xd1} is not allowed; it must be in (0, xq = {xq}] pu"),  # b2 >= 0
         Rule(
             xp.logical_or(linear, m.xd2 <= m.xd1),
             "xd2 = {xd2} is not allowed with saturation; it must be at most xd1 = {xd1} pu",
@@ -143,6 +148,8 @@ class Constants(NamedTuple):
     a2: Scalar  # 1/s
     b2: Scalar  # 1/s
     x: Scalar  # pu
+    machine: Any = None  # its data, and
+    model: Any = None  # its MachineModel, for the estimators that work with any
 
 
 def constants(machine: Machine) -> Constants:

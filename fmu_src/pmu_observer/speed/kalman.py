@@ -37,16 +37,16 @@ def start(xp, c: Constants, s: Signals, estimate: Estimate, settings):
     """The estimator's angle, synchronous speed, and an unknown P_m that balances the first frame's P."""
     deviation = ACCELERATION_START / c.b0
     covariance = RotorCovariance(
-        dd=angle_variance(c, s),
+        dd=angle_variance(s),
         oo=OMEGA_START * OMEGA_START,
         pp=xp.where(settings.P_m_known, 0.0, deviation * deviation),
     )
     return swing.balanced(xp, estimate.delta, s.measured, settings.P_m_known, covariance), ()
 
 
-def angle_variance(c: Constants, s: Signals):
+def angle_variance(s: Signals):
     """Of arg(j E'), rad^2: E|n|^2/(2 Y1)."""
-    return noise.of_phasor(c, s) / (2 * s.Y1)
+    return noise.of_phasor(s) / (2 * s.Y1)
 
 
 def step(xp, p, c: Constants, rotor: Rotor, own, interval: Interval, estimate: Estimate, settings):
@@ -58,7 +58,7 @@ def step(xp, p, c: Constants, rotor: Rotor, own, interval: Interval, estimate: E
     turned = moved._replace(
         delta=moved.delta - estimate.turn, covariance=RotorCovariance(dd + estimate.turn_variance, *others)
     )
-    updated = update(xp, turned, estimate.delta, angle_variance(c, interval.after))
+    updated = update(xp, turned, estimate.delta, angle_variance(interval.after))
     return updated._replace(P_m=xp.where(settings.P_m_known, after.P_m, updated.P_m)), own
 
 

@@ -191,7 +191,11 @@ static fmi2Status check_inputs(const Instance *instance, fmi2Status failure) {
 static const Program *program(const Instance *instance) {
 #ifdef SELECTOR
     const double *values = instance->now.values;
-    return &PROGRAMS[(int)(values[SELECTOR_NUMBER] > 0 ? values[SELECTOR_NUMBER] : values[SELECTOR]) - 1];
+    int place = (int)(values[SELECTOR_NUMBER] > 0 ? values[SELECTOR_NUMBER] : values[SELECTOR]) - 1;
+#ifdef VARIANT
+    place += SELECTED * ((int)(values[VARIANT_NUMBER] > 0 ? values[VARIANT_NUMBER] : values[VARIANT]) - 1);
+#endif
+    return &PROGRAMS[place];
 #else
     (void)instance;
     return &PROGRAMS[0];

@@ -7,10 +7,11 @@ from math import inf
 from pathlib import Path
 from typing import Any, Dict, List
 
-from casadi import SX, Function, GlobalOptions, vertcat
+from casadi import SX, Function, GlobalOptions
 
 from ...pmu_observer import tree
 from ...pmu_observer.carriers import symbols
+from ...pmu_observer.carriers.symbols import symbols_like, vector
 from ...pmu_observer.interface import describe
 from .. import choices
 from ..model import Model, Program
@@ -55,14 +56,29 @@ static void rule_message(int rule, const double *values, char *text, size_t size
 """
 
 
+START = """\
+static void start_{name}(const double *inputs, const double *parameters, double t, double *restrict outputs,
+                         double *restrict state) {{
+    double next_state[{states}];
+    first_state_{name}(inputs, parameters, t, state);
+    step_{name}(inputs, parameters, state, t, 0.0, outputs, next_state);
+}}
+"""
+"""The start of a program that has a first state: its outputs are those of a step of zero length."""
+
+
 def sources(model: Model, guid: str) -> Dict[str, bytes]:
     """Every file that the FMU is compiled from, by name; fmi2_slave.c is the one to compile.
 
     Raises ValueError if an equation takes a function from elsewhere than the carrier, which makes it NaN.
     """
     functions = {name: program_functions(model, program) for name, program in model.programs.items()}
-    equations = [c_function(f"{f.name()}_{name}", f) for name, group in functions.items() for f in group]
-    equations.append(c_function("rules", rule_function(model)))
+    loops: Dict[str, str] = {}
+    equations = [c_function(f"{f.name()}_{name}", f, loops) for name, group in functions.items() for f in group]
+    equations.append(c_function("rules", rule_function(model), loops))
+    first = [name for name, program in model.programs.items() if program.first_state]
+    equations += [START.format(name=name, states=functions[name][1].numel_out("next_state")) for name in first]
+    equations = [f"static void {name}{body}" for body, name in loops.items()] + equations
     states = {name: step.numel_out("next_state") for name, (_, step, *_) in functions.items()}
     generated = {
         "fmi2_slave.c": RUNTIME.read_bytes(),
@@ -89,8 +105,12 @@ def program_functions(model: Model, program: Program) -> List[Function]:
     inputs, all_parameters = symbols_like(model.inputs), symbols_like(choices.parameters(model))
     parameters, t, h = choices.chosen(symbols, model, all_parameters), SX.sym("t"), SX.sym("h")
     given = {"inputs": inputs, "parameters": all_parameters}
-    state, outputs = program.start(symbols, parameters, inputs, t)
-    start = function("start", {**given, "t": t}, {"outputs": outputs, "state": state})
+    if program.first_state:
+        state = program.first_state(symbols, parameters, inputs, t)
+        start = function("first_state", {**given, "t": t}, {"state": state})
+    else:
+        state, outputs = program.start(symbols, parameters, inputs, t)
+        start = function("start", {**given, "t": t}, {"outputs": outputs, "state": state})
     state = symbols_like(state)
     next_state, outputs = program.step(symbols, parameters, state, inputs, t, h)
     of_state = {**given, "state": state, "t": t}
@@ -110,19 +130,11 @@ def rule_function(model: Model) -> Function:
     return function("rules", {"inputs": inputs, "parameters": all_parameters}, {"holds": holds})
 
 
-def symbols_like(shape):
-    return tree.like(shape, [SX.sym(name) for name in tree.names(shape)])
-
-
 def function(name: str, arguments: Dict[str, Any], results: Dict[str, Any]) -> Function:
     """A CasADi function of trees."""
     vectors_in = [vector(branch) for branch in arguments.values()]
     vectors_out = [vector(branch) for branch in results.values()]
     return Function(name, vectors_in, vectors_out, list(arguments), list(results))
-
-
-def vector(branch) -> SX:
-    return SX(vertcat(*tree.leaves(branch)))
 
 
 def model_h(model: Model, guid: str, states: Dict[str, int]) -> str:
@@ -141,7 +153,7 @@ def model_h(model: Model, guid: str, states: Dict[str, int]) -> str:
         states=max(states.values()),
         rules=len(messages),
         variables="\n".join(f"    {variable(port)}," for port in all_ports),
-        programs="\n".join(f"    {entry(model, name, size)}," for name, size in states.items()),
+        programs="\n".join(f"    {entry(model, name, states[name])}," for name in model.table()),
         messages="\n".join(f"    case {i}: {message(text, names)} break;" for i, text in enumerate(messages)),
     )
 
@@ -151,7 +163,11 @@ def selector(model: Model, names: List[str]) -> str:
     if not model.selector:
         return ""
     places = names.index(model.selector), names.index(model.selector + choices.SUFFIX)
-    return "#define SELECTOR {}\n#define SELECTOR_NUMBER {}\n".format(*places)
+    lines = "#define SELECTOR {}\n#define SELECTOR_NUMBER {}\n#define SELECTED {}\n".format(*places, model.selected)
+    if not model.variant:
+        return lines
+    places = names.index(model.variant), names.index(model.variant + choices.SUFFIX)
+    return lines + "#define VARIANT {}\n#define VARIANT_NUMBER {}\n".format(*places)
 
 
 def entry(model: Model, name: str, states: int) -> str:
