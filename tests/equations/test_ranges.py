@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fmu_src.pmu_observer import observer, tree
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.interface import Enumeration, Real, broken, range_errors, variables
-from fmu_src.pmu_observer.machines.data import reactance_rules
+from fmu_src.pmu_observer.machines import two_axis
 from fmu_src.pmu_observer.plants import smib
 
 TREES = {"observer": observer.Parameters(), "plant": smib.Parameters()}
@@ -75,9 +75,9 @@ def messages(rules, values):
 def test_a_transient_reactance_is_not_above_the_synchronous_one(small, large):
     """Nor x'd above xq: b2 would be negative."""
     p = observer.Parameters().machine._replace(xd=1.0, xq=1.0, xd1=0.1, xq1=0.1)._replace(**{small: 0.2, large: 0.15})
-    (message,) = messages(reactance_rules(p), p)
+    (message,) = messages(two_axis.rules(floats, p), p)
     assert message.startswith(f"{small} = 0.2 ") and f"{large} = 0.15" in message
-    assert messages(reactance_rules(p._replace(**{large: 0.2})), p) == []
+    assert messages(two_axis.rules(floats, p._replace(**{large: 0.2})), p) == []
 
 
 def test_the_adaptive_speed_observer_needs_the_mechanical_power():
