@@ -59,6 +59,7 @@ NOISY = [
 ]
 TESTS = {
     "gating.py": [
+        f"{EQUATIONS}gating.py",
         f"{TIME}what_is_not_used_may_be_missing",
         f"{TIME}a_missing_machine_input_is_the_last_one_and_marked",
         f"{TIME}frames_out_of_order_change_nothing",
