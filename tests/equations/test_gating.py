@@ -191,9 +191,8 @@ ROTOR = Rotor(DELTA, 0.0, FRAME.P_t, RotorCovariance(dd=2e-4))
 
 def gross(turned=0.0, estimate=SURE, rotor=ROTOR, rejected=0.0, h=0.0, jump=0.0, shrunk=1.0):
     """Where the estimate is off by an angle and by a factor."""
-    interval = Interval(
-        SIGNALS, SIGNALS, h, Propagation(IDENTITY, Vector(0.0, 0.0)), Jump(Complex(jump * 0.6, jump * 0.8), 0.0, 0.0)
-    )
+    jump = Jump(Complex(jump * 0.6, jump * 0.8), 0.0, 0.0)
+    interval = Interval(SIGNALS, SIGNALS, h, jump=jump, flow=Propagation(IDENTITY, Vector(0.0, 0.0)))
     estimate = estimate._replace(x=Vector(shrunk * X.real, shrunk * X.imag))
     rotor = rotor._replace(delta=rotor.delta + turned)
     return gating.is_gross(floats, C, Gate(rejected=rejected), interval, estimate, rotor, True)
