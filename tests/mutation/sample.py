@@ -81,6 +81,7 @@ TESTS = {
         "tests/test_what_is_wrong_shows.py",
     ],
     "prediction.py": [
+        f"{EQUATIONS}prediction.py",
         f"{EQUATIONS}proposition_2.py",
         f"{TIME}a_latency_costs_the_prediction_over_it_and_no_more",
         f"{TIME}nor_does_it_with_any_speed_observer",
