@@ -13,6 +13,7 @@ MODEL = Model(
     rules=plant.rules,
     step_size=1 / 60,
     stop_time=20.0,
+    example=lambda t: plant.Inputs(),
     about="A plant to try observers on: at each of ten generators the frame that a PMU would give, and the true "
     "states. Loads vary by chance; a load step, a fault and the trip of a branch can be set.",
     limits=(

@@ -1,7 +1,15 @@
 """PmuChannel.fmu: true phasors in, the frames of a PMU out."""
 
+from math import pi
+
 from ..pmu_observer import pmu_channel
 from ..runtime.model import Model, Program, Terminal
+
+
+def example(t: float) -> pmu_channel.Inputs:
+    """Phasors of a grid at 0.5 Hz above nominal."""
+    return pmu_channel.Inputs(pmu_channel.Plant(1.0, pi * t, 0.8, pi * t - 0.2, 0.78, 1.1, t))
+
 
 MODEL = Model(
     name="PmuChannel",
@@ -11,6 +19,7 @@ MODEL = Model(
     outputs=pmu_channel.Outputs(),
     programs={"pmu_channel": Program(pmu_channel.start, pmu_channel.step, pmu_channel.output)},
     rules=pmu_channel.rules,
+    example=example,
     step_size=1 / 60,
     about="What stands between a machine and its observer in the field. A frame is taken at the communication points "
     "at or after every multiple of 1/rate; t_frame says when the frame that is shown was measured.",

@@ -1,10 +1,12 @@
 """PmuObserver.fmu: PMU frames in, rotor angle, speed, E'd and E'q out."""
 
 from functools import partial
+from math import cos, pi, sin
 
 from ..pmu_observer import observer
 from ..pmu_observer.estimators import ESTIMATORS
 from ..pmu_observer.machines import MACHINE_MODELS
+from ..pmu_observer.phasors import Frame
 from ..runtime.model import Model, Program, Terminal
 
 
@@ -14,6 +16,13 @@ def program(estimator: str, machine_model: str) -> Program:
         for function in (observer.start, observer.step, observer.first_state)
     ]
     return Program(start, step, first_state=first_state)
+
+
+def example(t: float) -> observer.Inputs:
+    """Frames of a machine at rest in a grid at 0.5 Hz above nominal."""
+    V, I, lag = 1.0, 0.8, 0.2  # noqa: E741 - the paper's name
+    S = V * I
+    return observer.Inputs(Frame(V, pi * t, I, pi * t - lag, S * cos(lag), S * sin(lag)), S * cos(lag), 1.1, t_frame=t)
 
 
 MODEL = Model(
@@ -29,6 +38,7 @@ MODEL = Model(
     selector="estimator",
     variant="machine_model",
     rules=observer.rules,
+    example=example,
     input_variability="discrete",
     step_size=1 / 60,
     about="From the frames of a PMU at the terminal and the machine's data it estimates rotor angle, speed and the "

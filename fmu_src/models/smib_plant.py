@@ -12,6 +12,7 @@ MODEL = Model(
     programs={"smib": Program(smib.start, smib.step, smib.outputs)},
     rules=smib.rules,
     max_step=smib.MAX_STEP,
+    example=lambda t: smib.Inputs(),
     step_size=1e-3,
     about="A plant to try observers on: it gives the frame that a PMU at the terminal would, and the true states. "
     "A three-phase fault through x_fault at the terminal begins at t_fault and is cleared at t_clear.",

@@ -42,6 +42,10 @@ class Terminal(NamedTuple):
     prefix: str = ""
 
 
+def no_example(t: float) -> Tree:
+    return ()
+
+
 def no_rules(xp, parameters, inputs) -> List[Rule]:
     return []
 
@@ -75,6 +79,8 @@ class Model(NamedTuple):
     """What it does not do, a sentence each."""
     terminals: Dict[str, Terminal] = {}
     """By name: what is plugged as one."""
+    example: Callable[[float], Tree] = no_example
+    """The inputs at a time, for the reference results that go with the FMU."""
     requirements: Tuple[str, ...] = ()
     """Packages beyond the standard library that the Python FMU imports."""
 
