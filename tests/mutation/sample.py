@@ -102,6 +102,7 @@ TESTS = {
         f"{EQUATIONS}ranges.py",
     ],
     "speed": [
+        f"{EQUATIONS}rotor.py",
         f"{ROBUST}motion_is_the_matrix_exponential",
         f"{ROBUST}speed_filter_is_a_dense_kalman_filter",
         f"{EQUATIONS}speed.py",
