@@ -89,6 +89,7 @@ TESTS = {
         "tests/test_what_is_wrong_shows.py",
     ],
     "estimators/robust.py": [
+        f"{EQUATIONS}supervision.py",
         f"{ROBUST}the_bank_rests_and_wakes_afresh",
         *NOISY,
         f"{ROBUST}a_wrong_well_is_left",
