@@ -583,7 +583,8 @@ static const char *flaw(const Snapshot *snapshot) {
         return "is damaged";
     }
     for (int i = PARAMETERS; i < OUTPUTS; i++) {
-        if (!in_range(i, situation->values[i])) return "is damaged";
+        const double value = situation->values[i];
+        if (!in_range(i, value) || (VARIABLES[i].type != REAL && floor(value) != value)) return "is damaged";
     }
     return all_finite(situation->values + OUTPUTS, N_OUTPUTS + N_STATES) && isfinite(situation->time) ? NULL
                                                                                                     : "is damaged";
