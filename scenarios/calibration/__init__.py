@@ -1,0 +1,1 @@
+"""Which of a machine's data does a record contradict? Parameters from disturbance records, and playback of them."""
