@@ -73,6 +73,7 @@ TESTS = {
         "tests/test_what_is_wrong_shows.py::test_it_shows",
     ],
     "observer.py": [
+        f"{EQUATIONS}steps.py",
         f"{EQUATIONS}proposition_2.py",
         f"{TIME}nor_does_it_with_any_speed_observer",
         f"{TIME}what_is_not_used_may_be_missing",
