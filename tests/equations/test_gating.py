@@ -4,18 +4,21 @@ from math import inf, nan
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
-from fmu_src.pmu_observer import gating
+from fmu_src.pmu_observer import gating, observer
 from fmu_src.pmu_observer.angle import Covariance, Estimate
 from fmu_src.pmu_observer.carriers import floats
 from fmu_src.pmu_observer.gating import Gate, Received, Timing
+from fmu_src.pmu_observer.gaussian import Gaussian
 from fmu_src.pmu_observer.linear import IDENTITY, Complex, Propagation, Vector
 from fmu_src.pmu_observer.machines.data import ieee39_g6
 from fmu_src.pmu_observer.machines.two_axis import constants
 from fmu_src.pmu_observer.observer_interface import ARRIVAL, ESTIMATED, PHASORS, STAMPED, Inputs, Parameters
 from fmu_src.pmu_observer.phasors import Frame, measurement, signals
-from fmu_src.pmu_observer.sampling import Interval, Jump
+from fmu_src.pmu_observer.sampling import Interval, Jump, interval
 from fmu_src.pmu_observer.speed.rotor import Rotor, RotorCovariance
+from fmu_src.pmu_observer.transition import transition
 
 G6 = ieee39_g6()._replace(D=0.0)
 C = constants(G6)
@@ -305,3 +308,32 @@ def test_the_machine_sees_its_own_resistance():
     inside = V + 0.01 * I * np.exp(1j * (PHI - THETA))
     m = r.signals.measured
     np.testing.assert_allclose([m.P, m.V], [S.real + 0.01 * I**2, abs(inside)], rtol=1e-12)
+
+
+# Under a machine model --------------------------------------------------------------------------------------------
+
+MODEL = observer.constants_of("robust", "two_axis", parameters())
+
+
+@pytest.mark.parametrize("nu", [Complex(3.0, 0.0), Complex(0.0, -4.0), Complex(3.0, -4.0)])
+def test_a_jump_of_A_by_the_model(nu):
+    """It is wrong by half of it over the interval: (b2 Re, b1 Im) h/2 on either axis, whatever the direction."""
+    s = signals(floats, MODEL, SIGNALS.measured)
+    h = 1e-6
+    span = interval(floats, MODEL, s, s, h)
+    jumped = span._replace(flow=transition(floats, MODEL, s, s, h, Jump(nu, 0.0, 0.0), 0.0))
+    expected = (C.b1**2 + C.b2**2) * (h / 2) ** 2 * (nu.re**2 + nu.im**2)
+    assert gating.by_jump(floats, MODEL, jumped) == pytest.approx(expected, rel=1e-3)
+    assert gating.by_jump(floats, MODEL, span) == 0
+
+
+def test_where_the_model_expects_it():
+    """E' after 20 ms of its own equations, from its start: E_f moves E'q, and A both."""
+    s, h, E_f = signals(floats, MODEL, SIGNALS.measured), 0.02, 3.0
+    s = s._replace(measured=s.measured._replace(E_f=E_f))
+    estimate = SURE._replace(gaussian=Gaussian((X.real, X.imag, 0.0), (0.0,) * 6))
+    found = gating.expected(floats, MODEL, interval(floats, MODEL, s, s, h).flow, estimate)
+    A = np.zeros((3, 3))
+    A[:2, :2] = np.reshape(SIGNALS.A, (2, 2))
+    A[1, 2] = C.c1
+    np.testing.assert_allclose(found, (expm(A * h) @ [X.real, X.imag, E_f])[:2], rtol=1e-8)
