@@ -48,7 +48,7 @@ E_f = {{ analog = "E_f pu" }}
 def played(tmp_path_factory):
     """Three seconds of the ten PMUs without noise: configuration, frames, and the plant's own outputs."""
     scenario = loader.load("ieee39_all")
-    scenario = scenario.model_copy(update={"stop": scenario.index(3) * scenario.step})
+    scenario = scenario.model_copy(update={"stop": 3 * 60 * scenario.step})
     with study.prepared(scenario) as plan:
         channel = Fmu(study.built("pmu", "PmuChannel"), tmp_path_factory.mktemp("channel"))
         plan, sites = playback.arranged(plan, channel, {"tve": 0.0})
