@@ -211,7 +211,7 @@ def standard_deviation(angle=2e-4, h=0.0, jump=0.0):
 @pytest.mark.parametrize(("h", "jump"), [(0.0, 0.0), (1e-3, 0.0), (1e-3, 40.0)])
 def test_gross_beyond_5_standard_deviations(h, jump):
     five = 5 * standard_deviation(h=h, jump=jump) / abs(E)
-    for factor, expected in ((0.99, False), (1.01, True)):
+    for factor, expected in ((0.9999, False), (1.0001, True)):
         assert gross(shrunk=1 - factor * five, h=h, jump=jump) == expected
         for sign in (1, -1):
             assert gross(turned=sign * 2 * np.arcsin(factor * five / 2), h=h, jump=jump) == expected
