@@ -105,6 +105,7 @@ TESTS = {
     ],
     "speed": [
         f"{EQUATIONS}rotor.py",
+        f"{EQUATIONS}speed_filter.py",
         f"{ROBUST}motion_is_the_matrix_exponential",
         f"{ROBUST}speed_filter_is_a_dense_kalman_filter",
         f"{EQUATIONS}speed.py",
