@@ -27,28 +27,30 @@ SPAN = interval(floats, C, measured(6.0, 6.6), measured(6.1, 6.9), H)
 DENSE = np.array([[2e-4, 1e-4, 1e-5], [1e-4, 3e-2, 2e-5], [1e-5, 2e-5, 7e-3]])
 
 
+@pytest.mark.parametrize("inertia", [34.8, 500.0])  # s; on 100 MVA, so that b0 is above and below 1
 @pytest.mark.parametrize("known", [True, False])
-def test_a_step(known):
+def test_a_step(known, inertia):
     """Predict with the mean of P and P_m; take out the estimator's correction; then the angle of j E'."""
+    c = constants(ieee39_g6()._replace(D=1.0, H=inertia))
     P0 = DENSE * (np.outer([1, 1, 0], [1, 1, 0]) if known else 1)
     own = RotorCovariance(P0[0, 0], P0[0, 1], P0[1, 1], P0[0, 2], P0[1, 2], P0[2, 2])
     rotor = Rotor(0.9, 0.4, 6.6 if known else 6.3, own)
     x = np.array([0.9, 0.4, (6.6 + 6.9) / 2 if known else 6.3])
-    F = expm(np.array([[0, 1, 0], [0, -C.a0, C.b0], [0, 0, 0]]) * H)
+    F = expm(np.array([[0, 1, 0], [0, -c.a0, c.b0], [0, 0, 0]]) * H)
     after = SPAN.after.measured
     Q = (after.tve * after.V * after.I) ** 2 * np.outer(F[:2, 2], F[:2, 2])
     assert SPAN.jump.P == 0
     x, P = F @ x - [*(F[:2, 2] * 6.05), 0], F @ P0 @ F.T
     P[:2, :2] += Q
-    P[2, 2] += 0.0 if known else ACCELERATION_WALK**2 * H / C.b0**2
+    P[2, 2] += 0.0 if known else ACCELERATION_WALK**2 * H / c.b0**2
     x[0] -= TURN
     P[0, 0] += TURN_VARIANCE
 
     angle = x[0] + 0.01
-    R = TVE**2 * (1.03**2 + (C.x * after.I) ** 2) / (2 * SPAN.after.Y1)
+    R = TVE**2 * (1.03**2 + (c.x * after.I) ** 2) / (2 * SPAN.after.Y1)
     K = P[:, 0] / (P[0, 0] + R)
     estimate = Estimate(angle, Vector(0.5, 1.0), turn=TURN, turn_variance=TURN_VARIANCE)
-    found, own = kalman.step(floats, kalman.Parameters(), C, rotor, (), SPAN, estimate, Settings(known, 80.0))
+    found, own = kalman.step(floats, kalman.Parameters(), c, rotor, (), SPAN, estimate, Settings(known, 80.0))
     x = x + K * 0.01
     np.testing.assert_allclose(found[:3], [x[0], x[1], 6.9 if known else x[2]], rtol=1e-8)
     P, q = P - np.outer(K, P[0]), found.covariance
