@@ -35,7 +35,7 @@ class Slave(Protocol):
 
 class Component(Protocol):
     variables: Mapping[str, Variable]
-    feedthrough: frozenset[str]
-    """The inputs that its outputs of the same instant depend on."""
+    feedthrough: Mapping[str, frozenset[str]]
+    """The outputs that depend on inputs of the same instant, and on which."""
 
     def instantiate(self, label: str) -> Slave: ...

@@ -29,17 +29,17 @@ class Fmu:
         self.folder = extract(str(path), unzipdir=str(folder))
         self.description: Any = read_model_description(self.folder)
         self.variables: Mapping[str, Variable] = {v.name: variable(v) for v in self.description.modelVariables}
-        self.feedthrough = frozenset(direct_inputs(self.description))
+        self.feedthrough = {output: inputs for output, inputs in direct_inputs(self.description) if inputs}
 
     def instantiate(self, label: str) -> "FmuSlave":
         return FmuSlave(self, label)
 
 
-def direct_inputs(description: Any) -> Iterable[str]:
-    """The inputs that an output of the same instant depends on; where an FMU does not say, all of them."""
+def direct_inputs(description: Any) -> Iterable[tuple[str, frozenset[str]]]:
+    """Each output with the inputs of its own instant that it depends on; where an FMU does not say, all of them."""
     for output in description.outputs:
         known = description.modelVariables if output.dependencies is None else output.dependencies
-        yield from (v.name for v in known if v.causality == "input")
+        yield output.variable.name, frozenset(v.name for v in known if v.causality == "input")
 
 
 def variable(v: Any) -> Variable:

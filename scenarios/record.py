@@ -26,7 +26,7 @@ class Record:
     time, if the record does not say otherwise.
     """
 
-    feedthrough: frozenset[str] = frozenset()
+    feedthrough: Mapping[str, frozenset[str]] = {}
 
     def __init__(self, name: str, csv: Csv, folder: Path):
         self.file, self.where = csv.file, f"csv.{name}"

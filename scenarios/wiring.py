@@ -131,11 +131,17 @@ def feedthrough(lookup: Lookup, instances: Iterable[Instance]) -> list[Instance]
 
     Raises ScenarioError for a loop.
     """
-    direct = {
-        i: [source.instance for name, source in i.links.items() if name in lookup.components[i.component].feedthrough]
-        for i in instances
+    through = {i: lookup.components[i.component].feedthrough for i in instances}
+    # only what itself depends on an input has to be right first: plant.E_f = "plant.E_f_start" is no loop
+    fed_by = {
+        i: {
+            source.instance
+            for name, source in i.links.items()
+            if any(name in inputs for inputs in outputs.values()) and source.variable in through[source.instance]
+        }
+        for i, outputs in through.items()
+        if any(name in inputs for name in i.links for inputs in outputs.values())
     }
-    fed_by = {i: [source for source in sources if direct[source]] for i, sources in direct.items() if sources}
     try:
         return list(TopologicalSorter(fed_by).static_order())
     except CycleError as error:
