@@ -29,7 +29,9 @@ class Fmu:
         self.folder = extract(str(path), unzipdir=str(folder))
         self.description: Any = read_model_description(self.folder)
         self.variables: Mapping[str, Variable] = {v.name: variable(v) for v in self.description.modelVariables}
-        self.feedthrough = {output: inputs for output, inputs in direct_inputs(self.description) if inputs}
+        self.feedthrough: Mapping[str, frozenset[str]] = {
+            output: inputs for output, inputs in direct_inputs(self.description) if inputs
+        }
 
     def instantiate(self, label: str) -> "FmuSlave":
         return FmuSlave(self, label)

@@ -81,7 +81,7 @@ def test_fault(field_voltage, capture, late, fault, e1q):
 
 def test_a_saturation_that_is_ignored_shows():
     """E_f measured: the innovations grow. E_f estimated: it is far off the measured one."""
-    right, wrong = [observe("k3_loadstep", 2.0, 0.001, 1, **data) for data in ({}, {"S10": 0.0, "S12": 0.0})]
+    right, wrong = [observe("k3_loadstep", 2.0, 0.001, 1, "genrou", **data) for data in ({}, {"S10": 0.0, "S12": 0.0})]
     late = right.t > 1
     assert rms(right.innovation[late]) < 1.3
     assert rms(wrong.innovation[late]) > 5

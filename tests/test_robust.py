@@ -109,7 +109,7 @@ def test_process_noise_is_what_noisy_frames_do(model):
     found = z
     for before, after in ((clean, noisy), (noisy, clean)):
         A = sum(np.array([[np.broadcast_to(a, V.shape) for a in row] for row in s.form.A]) for s in (before, after)) / 2
-        A = np.moveaxis(A, -1, 0)
+        A = np.moveaxis(np.asarray(A), -1, 0)
         step = np.eye(len(z)) + h * A + h * h * A @ A / 2
         found = np.einsum("...ij,...j->...i", step, np.broadcast_to(found, (*V.shape, len(z))))
     t = sampling.interval(floats, c, clean, clean, h).flow

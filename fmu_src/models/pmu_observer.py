@@ -11,11 +11,11 @@ from ..runtime.model import Model, Program, Terminal
 
 
 def program(estimator: str, machine_model: str) -> Program:
-    start, step, first_state = [
-        partial(function, estimator, machine_model=machine_model)
-        for function in (observer.start, observer.step, observer.first_state)
-    ]
-    return Program(start, step, first_state=first_state)
+    return Program(
+        partial(observer.start, estimator, machine_model=machine_model),
+        partial(observer.step, estimator, machine_model=machine_model),
+        first_state=partial(observer.first_state, estimator, machine_model=machine_model),
+    )
 
 
 def example(t: float) -> observer.Inputs:
