@@ -1,5 +1,6 @@
 """Small matrices as tuples of rows of scalars, and symmetric ones as their upper triangle, row by row."""
 
+from functools import lru_cache
 from typing import Sequence, Tuple
 
 from .interface import Scalar
@@ -10,6 +11,10 @@ Symmetric = Tuple[Scalar, ...]
 
 
 def dot(v: Sequence, w: Sequence):
+    if len(v) == 2:  # most are of 2 or 3, and a loop takes Python twice as long
+        return v[0] * w[0] + v[1] * w[1]
+    if len(v) == 3:
+        return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
     total = v[0] * w[0]
     for a, b in zip(v[1:], w[1:]):
         total = total + a * b
@@ -44,7 +49,13 @@ def columns(*vectors: Column) -> Rows:
 
 def full(s: Symmetric, n: int) -> Rows:
     """All n x n entries."""
-    return tuple([tuple([s[place(min(i, j), max(i, j), n)] for j in range(n)]) for i in range(n)])
+    return tuple([tuple([s[k] for k in row]) for row in places(n)])
+
+
+@lru_cache(maxsize=None)
+def places(n: int) -> Tuple[Tuple[int, ...], ...]:
+    """Of all n x n entries, in the upper triangle."""
+    return tuple([tuple([place(min(i, j), max(i, j), n) for j in range(n)]) for i in range(n)])
 
 
 def place(i: int, j: int, n: int) -> int:

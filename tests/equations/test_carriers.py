@@ -116,7 +116,10 @@ def parameters(draw, model, **fixed):
 
 # PmuObserver ---------------------------------------------------------------------------------------------------------
 
-MACHINES = [machine_of(MOVING_CASE.machine), machine_of(MOVING_CASE.machine)._replace(Ra=0.005, xq1=0.08)]
+MACHINES = [
+    machine_of(MOVING_CASE.machine)._replace(xd2=0.04, xq2=0.04),  # below x', as all models but two_axis need it
+    machine_of(MOVING_CASE.machine)._replace(xd2=0.04, xq2=0.04, Ra=0.005, xq1=0.08),
+]
 
 
 @lru_cache

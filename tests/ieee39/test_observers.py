@@ -55,8 +55,9 @@ omega_s = 376.99111843077515
 """
 
 
-def test_plant_and_ten_observers_are_faster_than_real_time(tmp_path):
-    """Python FMUs, one core: 3 times real time where nothing else runs; half of that is left to a busy machine."""
+def test_plant_and_ten_observers_take_no_more_than_three_times_real_time(tmp_path):
+    """Python FMUs, one core. 15 s of CPU time for 10 s on a busy machine: `robust` for all machine models costs twice
+    what it did for one. The native FMUs are hundreds of times faster."""
     (tmp_path / "direct.toml").write_text(DIRECT)
     with study.prepared(loader.load(str(tmp_path / "direct.toml"))) as plan:
         start = process_time()
@@ -64,4 +65,4 @@ def test_plant_and_ten_observers_are_faster_than_real_time(tmp_path):
         taken = process_time() - start
     print(f"{10.0 / taken:.1f} times real time")
     assert max(abs(results.of(signal)[-1]) for signal in plan.signals["e1q"]) < 1e-3
-    assert taken < 10.0 / 1.5
+    assert taken < 30.0
