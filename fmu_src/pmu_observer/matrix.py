@@ -1,6 +1,6 @@
 """Small matrices as tuples of rows of scalars, and symmetric ones as their upper triangle, row by row."""
 
-from functools import lru_cache
+from functools import cache
 from typing import Sequence, Tuple
 
 from .interface import Scalar
@@ -52,7 +52,7 @@ def full(s: Symmetric, n: int) -> Rows:
     return tuple([tuple([s[k] for k in row]) for row in places(n)])
 
 
-@lru_cache(maxsize=None)
+@cache
 def places(n: int) -> Tuple[Tuple[int, ...], ...]:
     """Of all n x n entries, in the upper triangle."""
     return tuple([tuple([place(min(i, j), max(i, j), n) for j in range(n)]) for i in range(n)])
