@@ -52,7 +52,7 @@ def noise(tve, **others) -> Channel:
     """
     p = pmu_channel.Parameters(tve=tve, **others)
 
-    def channel(k, streams, V, I):  # noqa: E741
+    def channel(k, streams, V, I):  # noqa: E741 - the paper's name
         true = pmu_channel.Plant(np.abs(V), np.angle(V), np.abs(I), np.angle(I))
         streams.generator, sent = pmu_channel.measured(
             arrays, p, streams.generator, pmu_channel.Inputs(true), k * PERIOD
@@ -80,7 +80,7 @@ def observe(
     """
     p = observer.Parameters(machine=truth.machine, **parameters)
     state = None
-    for k, (V, I, valid) in zip(range(len(truth.V) - 1), received, strict=False):  # noqa: E741
+    for k, (V, I, valid) in zip(range(len(truth.V) - 1), received, strict=False):  # noqa: E741 - the paper's name
         inputs = observer.Inputs(frame(V, I), truth.P_m[k], truth.E_f[k], valid)
         if state is None:
             state, _ = observer.start(estimator, arrays, p, inputs, 0.0)
@@ -100,7 +100,7 @@ def per_seed(value):
     return np.asarray(value)[..., None]
 
 
-def frame(V, I) -> Frame:  # noqa: E741
+def frame(V, I) -> Frame:  # noqa: E741 - the paper's name
     S = V * np.conj(I)
     return Frame(np.abs(V), np.angle(V), np.abs(I), np.angle(I), S.real, S.imag)
 

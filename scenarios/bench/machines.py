@@ -61,7 +61,7 @@ def random_machines(count: int, seed: int, first: int = 0) -> Machines:
     while np.any(far := rotor_angle_from_bus(draw) > FARTHEST):
         again = drawn(streams)
         draw = {name: np.where(far, again[name], values) for name, values in draw.items()}
-    V, I, x = draw["V_t [pu]"] + 0j, current(draw), draw["x' [pu]"]  # noqa: E741
+    V, I, x = draw["V_t [pu]"] + 0j, current(draw), draw["x' [pu]"]  # noqa: E741 - the paper's name
     xd = x + draw["xd - x' [pu]"]
     xq = np.maximum(draw["xq/xd"] * xd, x)
     m = Machine(
@@ -114,7 +114,7 @@ def current(draw):
 def rotor_angle_from_bus(draw):
     x = draw["x' [pu]"]
     xq = np.maximum(draw["xq/xd"] * (x + draw["xd - x' [pu]"]), x)
-    I = current(draw)  # noqa: E741
+    I = current(draw)  # noqa: E741 - the paper's name
     V = draw["V_t [pu]"]
     return np.angle((V + 1j * xq * I) / (V - 1j * draw["x_line [pu]"] * I))
 
@@ -132,7 +132,7 @@ def simulate(machines: Machines, seconds: float, *, inputs=None, substeps: int =
                 u = inputs(t + h / 2, outputs)
             state, outputs = smib.step(arrays, p, state, u, t, h)
         rows.append(row(outputs, u))
-    V, I, *rest = [np.array(column) for column in zip(*rows, strict=True)]  # noqa: E741
+    V, I, *rest = [np.array(column) for column in zip(*rows, strict=True)]  # noqa: E741 - the paper's name
     return Truth(p.machine, V, I, *rest)
 
 

@@ -42,7 +42,7 @@ def simulate(seconds: float, fault: smib_fault.Fault) -> Truth:
     t_fault, t_clear, x_fault = fault
     theta = np.arcsin(P * x_line / V_t)  # the infinite bus has 1 pu
     V = V_t * np.exp(1j * theta)
-    I = (V - 1.0) / (1j * x_line)  # noqa: E741
+    I = (V - 1.0) / (1j * x_line)  # noqa: E741 - the paper's name
     delta = np.angle(V + 1j * m.xq * I)
     Id, Iq = parts(1j * I * np.exp(-1j * delta))
     Vq = parts(1j * V * np.exp(-1j * delta))[1]
@@ -73,7 +73,7 @@ def simulate(seconds: float, fault: smib_fault.Fault) -> Truth:
         rows.append(row(m, s, grid, P, E_f, state))
         for i in range(SUBSTEPS):
             state = advance(state, t + i * h, h)
-    V, I, *rest = [np.array(column) for column in zip(*rows, strict=True)]  # noqa: E741
+    V, I, *rest = [np.array(column) for column in zip(*rows, strict=True)]  # noqa: E741 - the paper's name
     return Truth(m, V, I, *rest)
 
 

@@ -88,13 +88,13 @@ def unknowns(p: Problem) -> Unknowns:
 def residuals(p: Problem, where: Unknowns, number: int, u: np.ndarray, smooth: bool, tve: float):
     """(C, T, 2) of candidates u (C, unknowns) on one record, and the filter's states."""
     record = p.records[number]
-    V, I = (record.smooth_V, record.smooth_I) if smooth else (record.V, record.I)  # noqa: E741
-    V, I = V[None], I[None]  # noqa: E741
+    V, I = (record.smooth_V, record.smooth_I) if smooth else (record.V, record.I)  # noqa: E741 - the paper's name
+    V, I = V[None], I[None]  # noqa: E741 - the paper's name
     names = len(p.free.names)
     machine, k_f = parameters.machine(p.free, u[:, :names])
     if p.instruments:
         gain_V, gain_I, angle_I = u[:, names : names + 3].T[..., None]
-        V, I = V * (1 + gain_V), I * (1 + gain_I) * np.exp(1j * angle_I)  # noqa: E741
+        V, I = V * (1 + gain_V), I * (1 + gain_I) * np.exp(1j * angle_I)  # noqa: E741 - the paper's name
     own = u[:, where.own[number]]
     events = 2 + len(record.events)
     share, E_f_share = (np.full((len(u), len(record.h)), -2.0) for _ in range(2))

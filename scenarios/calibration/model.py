@@ -61,7 +61,7 @@ class Linear(NamedTuple):
     start: np.ndarray  # (C, 2) p of the quasi-steady state of the first frame
 
 
-def linear(order: str, m: Machine, V, I) -> Linear:  # noqa: E741
+def linear(order: str, m: Machine, V, I) -> Linear:  # noqa: E741 - the paper's name
     """The system that the phasors `V`, `I` (C or 1, T) and the candidates' data (C,) make."""
     m = Machine(*[np.atleast_1d(np.asarray(value, float)) for value in m])
     subtransient = order == "genrou"

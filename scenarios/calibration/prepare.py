@@ -39,7 +39,7 @@ class Prepared(NamedTuple):
     record: Record
     h: np.ndarray  # (T,) s, of the interval that a frame ends
     V: np.ndarray  # raw; where a frame is not good, smoothed
-    I: np.ndarray  # noqa: E741
+    I: np.ndarray  # noqa: E741 - the paper's name
     smooth_V: np.ndarray  # each from its neighbours, itself left out
     smooth_I: np.ndarray
     good: np.ndarray  # (T,) bool

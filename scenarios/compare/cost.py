@@ -36,7 +36,7 @@ def measure() -> dict[str, float]:
     """CPU time of a step, s, on the first FRAMES frames of record_g6; the fastest of REPEATS rounds."""
     truth = frames.record(frames.RECORD_G6)
     noisy = runs.noisy(truth, (TVE,), 1, 1)
-    V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
+    V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741 - the paper's name
     inputs = [
         observer.Inputs(Frame(*map(float, frames.frame(v, i))), float(P_m), float(E_f))
         for v, i, P_m, E_f in zip(V, I, truth.P_m, truth.E_f, strict=False)
@@ -94,7 +94,7 @@ def through_fmu(path: Path, m: Machine, inputs: list[observer.Inputs]) -> float:
 
 def on_filterpy(peer, noisy: runs.Frames) -> float:
     truth, c = noisy.truth, constants(noisy.truth.machine)
-    V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741
+    V, I = noisy.V[:FRAMES, 0, 0], noisy.I[:FRAMES, 0, 0]  # noqa: E741 - the paper's name
     z, size2 = model.measured(c, V, I)
     Q = runs.process_noise(tuning.GRID[0], TVE)
     one = peer(c, runs.good_start(noisy)[0, 0], tuning.P_of(tuning.P_GOOD), Q)

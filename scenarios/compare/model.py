@@ -84,7 +84,7 @@ def h_jacobian(x):
     return H
 
 
-def measured(c: Constants, V, I):  # noqa: E741
+def measured(c: Constants, V, I):  # noqa: E741 - the paper's name
     """z and |.|^2 of what its noise is relative to, V^2 + (x' I)^2, of complex phasors in pu."""
     z = 1j * (V + 1j * c.x * I)
     return z, np.abs(V) ** 2 + np.abs(c.x * I) ** 2

@@ -96,7 +96,7 @@ def process_noise(q, tve):
 
 def good_start(noisy: Frames):
     """The steady state that the first frame would have: delta = arg(V + j xq I); shape (TVEs, seeds, 4)."""
-    m, V, I = noisy.truth.machine, noisy.V[0], noisy.I[0]  # noqa: E741
+    m, V, I = noisy.truth.machine, noisy.V[0], noisy.I[0]  # noqa: E741 - the paper's name
     delta = np.angle(V + 1j * m.xq * I)
     e1 = 1j * (V + 1j * m.xd1 * I) * np.exp(-1j * delta)
     return np.stack([delta, np.zeros_like(delta), e1.real, e1.imag], axis=-1)

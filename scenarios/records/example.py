@@ -38,7 +38,7 @@ def main() -> None:
     rng = np.random.default_rng(6)
     noise = rng.standard_normal((4, len(record))) * TVE / sqrt(2)
     V = record.V * (1 + noise[0] + 1j * noise[1])
-    I = record.I * (1 + noise[2] + 1j * noise[3])  # noqa: E741
+    I = record.I * (1 + noise[2] + 1j * noise[3])  # noqa: E741 - the paper's name
     S = V * np.conj(I) * S_BASE / 1e6
     f = 60 + np.gradient(np.unwrap(record.theta_t)) * record.rate / (2 * np.pi)
     missing = set(rng.choice(len(record), 12, replace=False).tolist())

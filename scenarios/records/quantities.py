@@ -78,9 +78,9 @@ class Conversion:
 
     def values(self, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """frame_valid, V_t ... E_f in pu and rad, angles in (-pi, pi]; nan where a frame is no good."""
-        V, I = self._phasor(self.map.V, columns, 0), self._phasor(self.map.I, columns, 1)  # noqa: E741
+        V, I = self._phasor(self.map.V, columns, 0), self._phasor(self.map.I, columns, 1)  # noqa: E741 - the paper's name
         if self.map.I.direction == "into the generator":
-            I = -I  # noqa: E741
+            I = -I  # noqa: E741 - the paper's name
         valid = np.isfinite(V) & np.isfinite(I) & (V != 0) & self._good(columns)
         S = V * np.conj(I)
         found = {"V_t": np.abs(V), "theta_t": np.angle(V), "I_t": np.abs(I), "phi_t": np.angle(I)}
@@ -251,7 +251,7 @@ def voltage_scale(V: Voltage, table: Table, where: str, base: float | None) -> t
     return found * peak(V) * between / base, turn
 
 
-def current_scale(I: Current, table: Table, where: str, V_base: float | None, S_base: float) -> tuple[float, float]:  # noqa: E741
+def current_scale(I: Current, table: Table, where: str, V_base: float | None, S_base: float) -> tuple[float, float]:  # noqa: E741 - the paper's name
     where = f"{where}: I"
     size, angle = unit_texts(I, table, where)
     found = unit_of(where, size, "current", "per unit")

@@ -86,12 +86,12 @@ def recorded(
     columns: dict[str, np.ndarray], rate: int, tve: float, source: str, rng: np.random.Generator
 ) -> StandardRecord:
     """With noise of E|n|^2 = (tve |.|)^2 on V and I, and a frequency from theta, as a PMU makes it."""
-    V, I = (  # noqa: E741
+    V, I = (  # noqa: E741 - the paper's name
         columns[m] * np.exp(1j * columns[a]) for m, a in (("V_t", "theta_t"), ("I_t", "phi_t"))
     )
     f = 60 + np.gradient(np.unwrap(columns["theta_t"])) * rate / (2 * pi)
     noise = rng.standard_normal((4, len(V))) * tve / np.sqrt(2)
-    V, I = V * (1 + noise[0] + 1j * noise[1]), I * (1 + noise[2] + 1j * noise[3])  # noqa: E741
+    V, I = V * (1 + noise[0] + 1j * noise[1]), I * (1 + noise[2] + 1j * noise[3])  # noqa: E741 - the paper's name
     time = np.arange(len(V)) / rate
     found = {"time": time, "V_t": np.abs(V), "theta_t": np.angle(V), "I_t": np.abs(I), "phi_t": np.angle(I), "f": f}
     facts = Facts(rate=float(rate), f0=60.0, source=source)

@@ -86,7 +86,7 @@ def study(name, s: frames.Series, plants, table: Table, failures: Table) -> None
         f"{error[last][good].max():.4f}",
     )
     m, u = plants.parameters.machine, plants.inputs
-    V, I = s_first(plants)  # noqa: E741
+    V, I = s_first(plants)  # noqa: E741 - the paper's name
     for i in np.flatnonzero(wrong | ~good)[:40]:
         from_then = np.flatnonzero(~right[:, i])
         failures.add_row(

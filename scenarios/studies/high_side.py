@@ -79,7 +79,7 @@ def study(tve: float, seeds: int, estimated: bool) -> tuple[np.ndarray, np.ndarr
     for k in range(len(record)):
         noise = rng.standard_normal((4, 1, seeds)) * tve / np.sqrt(2)  # the same in every case
         V = np.where(high, V_h[k], record.V[k]) * (1 + noise[0] + 1j * noise[1])
-        I = np.where(high, I_h[k], record.I[k]) * (1 + noise[2] + 1j * noise[3])  # noqa: E741
+        I = np.where(high, I_h[k], record.I[k]) * (1 + noise[2] + 1j * noise[3])  # noqa: E741 - the paper's name
         S = V * np.conj(I)
         frame = Frame(np.abs(V), np.angle(V), np.abs(I), np.angle(I), np.real(S), np.imag(S))
         ones = np.ones_like(frame.V_t)

@@ -27,7 +27,7 @@ def test_wrong_data_are_corrected():
     f = np.array(rows, dtype=float)
     tve, rng = 0.003, np.random.default_rng(1)
     n = (rng.standard_normal((2, len(f))) + 1j * rng.standard_normal((2, len(f)))) / np.sqrt(2)
-    V, I = f[:, 0] * np.exp(1j * f[:, 1]), f[:, 2] * np.exp(1j * f[:, 3])  # noqa: E741
+    V, I = f[:, 0] * np.exp(1j * f[:, 1]), f[:, 2] * np.exp(1j * f[:, 3])  # noqa: E741 - the paper's name
     every = np.ones(len(f))
     record = prepare.prepare(
         prepare.Record(np.arange(len(f)) / 60, V * (1 + tve * n[0]), I * (1 + tve * n[1]), u.E_f * every, 6.5 * every)

@@ -72,7 +72,7 @@ def operate(name, m, x, i, delta) -> Operation:
 
 def linear(name, m, o: Operation):
     """The model's linear form at a frame, from the phasors alone; and j F/e^{j delta}, (f_d, f_q)."""
-    model, (V, I) = MODELS[name], o.phasors  # noqa: E741
+    model, (V, I) = MODELS[name], o.phasors  # noqa: E741 - the paper's name
     Q = (V * np.conj(I)).imag
     S = model.seen(floats, m, abs(V), abs(I), Q).S
     F = V + 1j * model.reactance(floats, m, S) * I
@@ -162,7 +162,7 @@ def test_the_linear_form_is_exact_along_a_trajectory(name):
 def test_steady_state(name, data):
     """The rotor angle, E_f and windings at rest for any V and I: nothing moves, and the stator gives V again."""
     m, model = data.draw(machines(name)), MODELS[name]
-    V, I = complex(data.draw(number(0.9, 1.1)), 0.0), complex(data.draw(number(0.1, 1)), data.draw(number(-0.6, 0.3)))  # noqa: E741
+    V, I = complex(data.draw(number(0.9, 1.1)), 0.0), complex(data.draw(number(0.1, 1)), data.draw(number(-0.6, 0.3)))  # noqa: E741 - the paper's name
     S = model.saturation(floats, m, Vector(0.0, V.real), Vector(-I.imag, I.real))
     delta = np.angle(V + 1j * model.at_rest(floats, m, S).X_q * I)
     v, i = [Vector((1j * z * np.exp(-1j * delta)).real, (1j * z * np.exp(-1j * delta)).imag) for z in (V, I)]

@@ -19,13 +19,13 @@ from scenarios.records import standard
 POLAR = st.tuples(st.floats(0.5, 1.5), st.floats(-pi, pi))
 
 
-def frame_of(V: complex, I: complex) -> Frame:  # noqa: E741
+def frame_of(V: complex, I: complex) -> Frame:  # noqa: E741 - the paper's name
     S = V * I.conjugate()
     return Frame(abs(V), cmath.phase(V), abs(I), cmath.phase(I), S.real, S.imag)
 
 
 @given(POLAR, POLAR, st.floats(0, 0.3), st.floats(0, 0.05), st.floats(0.9, 1.1), st.floats(-pi, pi))
-def test_transformer_by_complex_arithmetic(V, I, x_T, r_T, tap, shift):  # noqa: E741
+def test_transformer_by_complex_arithmetic(V, I, x_T, r_T, tap, shift):  # noqa: E741 - the paper's name
     V_h, I_h = cmath.rect(*V), cmath.rect(*I)
     I_t = I_h * cmath.exp(-1j * shift) / tap
     V_t = tap * V_h * cmath.exp(-1j * shift) + (r_T + 1j * x_T) * I_t
@@ -37,7 +37,7 @@ def test_transformer_by_complex_arithmetic(V, I, x_T, r_T, tap, shift):  # noqa:
 
 
 @given(POLAR, POLAR, st.floats(0, 0.05), st.floats(0, 0.3))
-def test_an_impedance_and_back(V, I, r, x):  # noqa: E741
+def test_an_impedance_and_back(V, I, r, x):  # noqa: E741 - the paper's name
     m = measurement(floats, frame_of(cmath.rect(*V), cmath.rect(*I)), 0.0, 0.0, False)
     there = behind_impedance(floats, m, r, x)
     back = behind_impedance(floats, there, -r, -x)
@@ -45,7 +45,7 @@ def test_an_impedance_and_back(V, I, r, x):  # noqa: E741
 
 
 @given(POLAR, POLAR)
-def test_no_transformer_changes_nothing_to_the_last_bit(V, I):  # noqa: E741
+def test_no_transformer_changes_nothing_to_the_last_bit(V, I):  # noqa: E741 - the paper's name
     m = measurement(floats, frame_of(cmath.rect(*V), cmath.rect(*I)), 0.7, 1.8, False)
     assert at_machine(floats, m, Transformer()) == m
 
@@ -67,7 +67,7 @@ def at_high_side(record: standard.StandardRecord) -> tuple[np.ndarray, np.ndarra
     return turn / t.tap * (record.V - (t.r_T + 1j * t.x_T) * record.I), t.tap * turn * record.I
 
 
-def estimates(V, I, record, transformer):  # noqa: E741
+def estimates(V, I, record, transformer):  # noqa: E741 - the paper's name
     """delta, E'd, E'q after each frame; the machine's base is its own."""
     up = S_N / 100
     machine = ieee39_g6()
@@ -96,7 +96,7 @@ def test_the_observer_at_the_high_side_sees_what_it_sees_at_the_terminal(record,
 
 def test_a_forgotten_transformer_shows(record, at_terminal):
     """In delta: its shift. In E'd and E'q: what x_T and the ratio are worth."""
-    V, I = at_high_side(record)  # noqa: E741
+    V, I = at_high_side(record)  # noqa: E741 - the paper's name
     error = np.abs(estimates(V, I, record, Transformer()) - at_terminal)[-1]
     assert error[0] > 0.4 and error[3] > 0.01
     no_ratio = np.abs(estimates(V, I, record, TRANSFORMER._replace(tap=1.0)) - at_terminal)[-1]

@@ -24,7 +24,7 @@ A = cmath.exp(2j * math.pi / 3)
 class Frame:
     ns: int  # since 1970
     V: complex  # V line-neutral, RMS, phase A
-    I: complex  # A, RMS, out of the generator  # noqa: E741
+    I: complex  # A, RMS, out of the generator  # noqa: E741 - the paper's name
     P: float  # W
     Q: float
     P_m: float
@@ -36,7 +36,7 @@ def frames(record: StandardRecord) -> list[Frame]:
     found = []
     for k in range(len(record)):
         V = float(record.V_t[k]) * cmath.exp(1j * float(record.theta_t[k])) * V_BASE / math.sqrt(3)
-        I = float(record.I_t[k]) * cmath.exp(1j * float(record.phi_t[k])) * S_BASE / (math.sqrt(3) * V_BASE)  # noqa: E741
+        I = float(record.I_t[k]) * cmath.exp(1j * float(record.phi_t[k])) * S_BASE / (math.sqrt(3) * V_BASE)  # noqa: E741 - the paper's name
         S = 3 * V * I.conjugate()
         ns = start + round(k * 10**9 / 60)
         found.append(Frame(ns, V, I, S.real, S.imag, float(record.P_m[k]) * S_BASE, float(record.E_f[k])))

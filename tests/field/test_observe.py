@@ -108,7 +108,7 @@ def test_a_pmu_at_the_high_side(folder, truth):
     """x_T = 0.143 on 1000 MVA, Yd11, tap 1.025."""
     record = standard.read(folder / "record.csv")
     turn = np.exp(1j * np.pi / 6)
-    V, I = turn / 1.025 * (record.V - 0.0143j * record.I), 1.025 * turn * record.I  # noqa: E741
+    V, I = turn / 1.025 * (record.V - 0.0143j * record.I), 1.025 * turn * record.I  # noqa: E741 - the paper's name
     S = V * np.conj(I)
     for name, values in {"V_t": abs(V), "theta_t": np.angle(V), "I_t": abs(I), "phi_t": np.angle(I)}.items():
         getattr(record, name)[:] = values

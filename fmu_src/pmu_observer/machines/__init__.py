@@ -54,7 +54,7 @@ class MachineModel(Protocol):
     field_of_saturation: Optional[Callable]
     """(xp, S10, S12, e1q) -> what a saturation that no PMU sees takes of the field voltage, pu; None: there is none."""
 
-    def seen(self, xp, m: Machine, V, I, Q) -> Saturation:  # noqa: E741
+    def seen(self, xp, m: Machine, V, I, Q) -> Saturation:  # noqa: E741 - the paper's name
         """S from what a frame gives, with the terminal moved behind Ra."""
         ...
 
