@@ -64,7 +64,7 @@ class Failing:
     """A component whose third step fails; `instances` counts how often it was started."""
 
     variables: Mapping[str, Any] = {"delta": None, "status": None}
-    feedthrough: frozenset[str] = frozenset()
+    feedthrough: Mapping[str, frozenset[str]] = {}
 
     def __init__(self):
         self.instances = self.steps = 0
